@@ -36,7 +36,10 @@ def short(edges: int, **changes: float) -> Rod:
 
 def energy(rod: Rod, y: Array) -> Array:
     """J, of the columns of ``y``; written without the rod's own forces."""
-    c, p, L, l = rod.rope, split(y), rod.cells[:, None], rod.lengths[:, None]
+    c = rod.rope
+    p = split(y)
+    L = rod.cells[:, None]
+    l = rod.lengths[:, None]
     left, right = (np.broadcast_to(z[:, None], (3, y.shape[1]))[None] for z in rod.ends(0.0)[0])
     x = np.concatenate((left, p.x, right))
     edge = np.diff(x, axis=0)
@@ -44,7 +47,8 @@ def energy(rod: Rod, y: Array) -> Array:
     clamp = np.broadcast_to(np.array([0.0, 1.0, 0.0])[:, None], left.shape[1:])[None]
     t = np.concatenate((-clamp, edge / size[:, None], clamp))
     cosine = (t[:-1] * t[1:]).sum(axis=1)
-    e, tau = size / l - 1, p.m / L
+    e = size / l - 1
+    tau = p.m / L
     mean = 0.5 * (np.concatenate((l * e, 0 * e[:1])) + np.concatenate((0 * e[:1], l * e))) / L
     strain = 0.5 * c.Qa * l.T @ e**2 + (L.T @ (c.Qb * mean * tau + 0.5 * c.Qd * tau**2))
     bending = 0.5 * c.EI * (1 / L).T @ (4 * (1 - cosine) / (1 + cosine))
@@ -66,7 +70,8 @@ def test_an_undamped_elastic_rod_keeps_its_energy() -> None:
 
 def test_turning_as_a_whole_neither_strains_nor_is_damped() -> None:
     still = short(24)
-    y, omega = disturb(still, 0.05), np.array([0.0, 0.7, 0.0])
+    y = disturb(still, 0.05)
+    omega = np.array([0.0, 0.7, 0.0])
     place = still.ends(0.0)[0]
     turning = replace(still, ends=lambda t: np.array([place, np.cross(omega, place), 0 * place]))
     p = split(y)
@@ -84,7 +89,9 @@ def test_a_spinning_limp_chain_keeps_its_angular_momentum() -> None:
     rod = short(16, EI=TINY, Qb=0.0, Qc=0.0, Qd=TINY)
     y = disturb(rod, 0.05)
     y[[3, *range(11, y.size - 3, 8)]] += 1e4  # rad/s
-    loads, p, c = rod.evaluate(0.0, y[:, None], HELD), split(y), rod.rope
+    loads = rod.evaluate(0.0, y[:, None], HELD)
+    p = split(y)
+    c = rod.rope
     rates = split(loads.rates[:, 0])
     ends = rod.ends(0.0)[0]
     edge, edge_t = (

@@ -1,10 +1,12 @@
 """Pages of evidence: what the recorded data make of the templates; claims of stability and coupling."""
 
 import shutil
+from itertools import chain
 from pathlib import Path
 
 import jinja2
 import pytest
+from shared import slow_if
 
 from evidence.claims import Measurement, missed
 from evidence.coupling.page import order, theory
@@ -66,12 +68,12 @@ def test_the_default_errs_by_less_than_half_a_percent_on_every_case_and_is_stabl
     assert not any(str(cause) not in ("", "nan") for cause in t["cause"])
 
 
-ENTRIES = [entry for part in CHAPTERS.values() for entry in part]
+ENTRIES = [*chain.from_iterable(CHAPTERS.values())]
 
 
 @pytest.mark.parametrize(
     "entry",
-    [pytest.param(e, id=e.key, marks=[pytest.mark.slow] if e.slow else []) for e in ENTRIES],
+    [pytest.param(e, id=e.key, marks=slow_if(e.slow)) for e in ENTRIES],
 )
 def test_the_counterexample_breaks_and_ours_holds(entry: Entry) -> None:
     finding = entry.measure()

@@ -16,7 +16,8 @@ from evidence import motion
 def test_a_folder_of_pickled_lists_is_fitted_and_judged(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    grippers, ways = camera().grippers, camera().ways
+    grippers = camera().grippers
+    ways = camera().ways
     monkeypatch.setattr(motion, "RATE", 1.0 / camera().FRAME)
     held = [
         grippers[:, 0] - 0.02 * ways[0].T,

@@ -1,5 +1,6 @@
 """The evaluation's verdicts: made from the committed data, written on the page, and fresh runs give the same data."""
 
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -14,10 +15,12 @@ from evidence.tables import Tables, read, table, write
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 
-DATA, IMAGES = DOCS / "data" / "reproduction", DOCS / "images" / "reproduction"
+DATA = DOCS / "data" / "reproduction"
+IMAGES = DOCS / "images" / "reproduction"
 TABLES = read(DATA)
-CLAIMS = [claim for section in SECTIONS for claim in section.claims(TABLES)]
-#: what ours does not show; everything else must hold, but for computation times, which are the machine's
+CLAIMS = [*chain.from_iterable(section.claims(TABLES) for section in SECTIONS)]
+#: what ours does not show; everything else must hold, but for computation times, which are the
+#: machine's
 NOT_REPRODUCED = {
     "only a few areas carry large torsional stress",
     "in-plane motion changes little on release",
@@ -43,17 +46,16 @@ def test_tables_are_read_as_they_are_written(tmp_path: Path) -> None:
 
 def test_veering_is_told_from_curves_that_only_come_close() -> None:
     heights = np.linspace(-10.0, 10.0, 81)
-    sum_, difference = 2.0 + 0 * heights, 0.1 * heights
+    sum_ = 2.0 + 0 * heights
+    difference = 0.1 * heights
     for coupling, swaps in ((0.1, True), (0.0, False)):
         half = np.hypot(difference, coupling)
         angle = 0.5 * np.arctan2(coupling, difference)
         low = np.stack((-np.sin(angle), np.cos(angle)), axis=1)
         high = np.stack((np.cos(angle), np.sin(angle)), axis=1)
         if swaps:
-            shapes, f = (
-                np.stack((low, high), axis=1)[..., None],
-                np.stack((sum_ - half, sum_ + half), axis=1),
-            )
+            shapes = np.stack((low, high), axis=1)[..., None]
+            f = np.stack((sum_ - half, sum_ + half), axis=1)
         else:
             shapes = np.tile(np.eye(2)[None, ..., None], (81, 1, 1, 1))
             f = np.stack((sum_ - 0.1 - difference**2, sum_ + 0.1 + difference**2), axis=1)
@@ -71,10 +73,12 @@ def test_veering_is_told_from_curves_that_only_come_close() -> None:
         assert list(frequencies.exchange_rows(table(names, rows))) == [swaps]
 
 
-# fresh runs: the data are printed with six digits, and compilers differ in the last ones of a long run
+# fresh runs: the data are printed with six digits, and compilers differ in the last ones of a long
+# run
 
 
-# the mesh to the left of the loop is not quite the mirror of the mesh to the right; the reference's meshes differ more
+# the mesh to the left of the loop is not quite the mirror of the mesh to the right; the reference's
+# meshes differ more
 @pytest.mark.parametrize(("height", "tolerance"), [(30.0, 1e-5), (-30.0, 2e-3)])
 def test_frequencies_come_out_as_in_the_file_on_either_side(
     height: float, tolerance: float
@@ -89,15 +93,14 @@ def test_frequencies_come_out_as_in_the_file_on_either_side(
 def test_the_first_seconds_of_the_winding_come_out_as_in_the_file() -> None:
     until = 5.0
     reference = s_curve(Trip())
-    scene, settle = (
-        windings.scene_of("coupled", windings.MESHES["TMN-ETM"]),
-        until - reference.duration,
-    )
+    scene = windings.scene_of("coupled", windings.MESHES["TMN-ETM"])
+    settle = until - reference.duration
     stresses_seen = windings.Stresses()
     run = wind(
         scene, reference, windings.TRAVEL, settle, windings.SAMPLE, watch=stresses_seen.watch
     )
-    filed, places = TABLES["winding-coupled"], TABLES["stress-places"]
+    filed = TABLES["winding-coupled"]
+    places = TABLES["stress-places"]
     n = len(run.t)
     observed = np.array(run.observed)
     np.testing.assert_allclose(run.t, filed["t [s]"][:n], rtol=1e-5)

@@ -1,10 +1,12 @@
 """Measurement and theory: rows that are quick to compute, exact contact, linear models against the co-simulation."""
 
 import math
+from itertools import product
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from shared import Array, slow_if
 
 from evidence.contact.checks import CASES
 from evidence.contact.plectoneme import BEND, STIFFNESS, soft_rod
@@ -63,12 +65,12 @@ def test_a_clamped_rod_buckles_at_the_torque_of_the_theory() -> None:
 LONG = ("divider", "every kind", "falls", "flat", "legs", "rod", "swing")
 
 
+def is_long(case: str) -> bool:
+    return any(word in case for word in LONG)
+
+
 @pytest.mark.parametrize(
-    "case",
-    [
-        pytest.param(c, marks=[pytest.mark.slow] if any(word in c for word in LONG) else [])
-        for c in CASES
-    ],
+    "case", [pytest.param(case, marks=slow_if(is_long(case))) for case in CASES]
 )
 def test_exact_case(case: str) -> None:
     for measurement in CASES[case]():
@@ -78,18 +80,22 @@ def test_exact_case(case: str) -> None:
 @pytest.mark.parametrize("tension", [1000.0, 2000.0])
 def test_the_closed_form_of_a_plectoneme_is_where_its_energy_is_least(tension: float) -> None:
     """Per length that lies in it; more of it costs nothing."""
-    x, k, onset = soft_rod(tension), STIFFNESS, ONSET * WOUND_DIAMETER
+    x = soft_rod(tension)
+    k = STIFFNESS
+    onset = ONSET * WOUND_DIAMETER
 
     def energy(a: float, R: float) -> float:
         p = WOUND_DIAMETER - 2.0 * R
         pressed = k * (onset**2 / 6.0 + 0.5 * (p - onset) * p)
-        bent, turn = 0.5 * BEND * math.sin(a) ** 4 / R**2, 0.5 * math.sin(2.0 * a) / R
+        bent = 0.5 * BEND * math.sin(a) ** 4 / R**2
+        turn = 0.5 * math.sin(2.0 * a) / R
         return bent + 0.5 * pressed + tension - x.torque * turn
 
     assert WOUND_DIAMETER - 2.0 * x.radius > onset
     # rounding of the roots
     assert energy(x.angle, x.radius) == pytest.approx(0.0, abs=1e-8 * tension)
-    da, dR = 1e-3 * x.angle, 1e-3 * x.radius
+    da = 1e-3 * x.angle
+    dR = 1e-3 * x.radius
     around = [
         energy(x.angle + i * da, x.radius + j * dR)
         for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1))
@@ -98,14 +104,8 @@ def test_the_closed_form_of_a_plectoneme_is_where_its_energy_is_least(tension: f
 
 
 LINEAR = [
-    pytest.param(
-        name,
-        at,
-        id=f"{name}-{at}",
-        marks=[pytest.mark.slow],
-    )
-    for name in ("rope-120", "monopol-1000")
-    for at in (0.0, 0.3, 0.9)
+    pytest.param(name, at, id=f"{name}-{at}", marks=[pytest.mark.slow])
+    for name, at in product(("rope-120", "monopol-1000"), (0.0, 0.3, 0.9))
 ]
 
 
@@ -137,16 +137,20 @@ def test_a_schedule_is_as_good_between_its_heights_as_promised_at_them(part: int
 
 
 def test_a_rope_that_flows_moves_its_loop_as_in_a_trip() -> None:
-    case, at, speed = smooth(find_case("rope-120")), 0.5, 2.0
+    case = smooth(find_case("rope-120"))
+    at = 0.5
+    speed = 2.0
     # legs are frozen: within 1 / Re s they change by speed / Re s = 1 m of 50, which is 0.2 dB
     s = 2.0 + 2j * np.pi * np.linspace(0.05, 1.4, 8)
     found = shaken(case, at, s, 0.01, speed)
     place = [SEEN.index("loop.x"), SEEN.index("loop.y")]
-    flowing, still = (
-        errors(m.selected(TORQUE, SEEN).response(s)[:, :, 0], found)
-        for v in (speed, 0.0)
-        for m in linearise(case, [at], speed=v)
-    )
+
+    def response_errors(speed: float) -> tuple[Array, Array]:
+        (model,) = linearise(case, [at], speed=speed)
+        return errors(model.selected(TORQUE, SEEN).response(s)[:, :, 0], found)
+
+    flowing = response_errors(speed)
+    still = response_errors(0.0)
     assert_allclose(flowing[0][place], 0.0, atol=1.0)
     assert_allclose(flowing[1][place], 0.0, atol=5.0)
     # Coriolis forces are not small: at rest the loop would rise 5 times as much

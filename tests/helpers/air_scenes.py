@@ -7,11 +7,13 @@ from rope_model import (
 from rope_model.parameters import Rope, Scene
 from rope_model.shaft_parameters import Air, Shaft, Sump
 
-STEP, LENGTH = 0.01, 10.0
+STEP = 0.01
+LENGTH = 10.0
 
 
 def scene(**air: float) -> Scene:
-    rope, shaft = Rope(length=LENGTH), Shaft(air=Air(**air), sump=Sump(level=-4.2))
+    rope = Rope(length=LENGTH)
+    shaft = Shaft(air=Air(**air), sump=Sump(level=-4.2))
     return Scene(rope=rope, mesh=Mesh("eem", elements=10), shaft=shaft)
 
 

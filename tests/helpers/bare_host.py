@@ -17,7 +17,8 @@ from fmpy.ssp.ssd import read_ssd
 #: names that modules of the project, and what it brings into the Python FMU, begin with
 OURS = ("rope_model", "fmu_src", "hoist_demo", "balance_rope", "pythonfmu")
 OUTPUTS = 6  #: outputs that are read
-STOP, STEP = 0.03, 0.01  #: s
+STOP = 0.03  #: s
+STEP = 0.01  #: s
 
 
 def simulated(path: str) -> list[float]:
@@ -45,7 +46,9 @@ def members(path: str) -> list[str]:
 
 def result(path: str) -> object:
     try:
-        return [simulated(each) for each in (members(path) if path.endswith(".ssp") else [path])]
+        if path.endswith(".ssp"):
+            return [simulated(member) for member in members(path)]
+        return [simulated(path)]
     except Exception as error:
         return repr(error)
 

@@ -25,7 +25,9 @@ from hoist_demo.report.verdict import judge
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 BROWSER = next((path for name in BROWSERS if (path := shutil.which(name))), None)
 
-POINTS, STEPS, END = 41, 301, 12.0
+POINTS = 41
+STEPS = 301
+END = 12.0
 
 _FRAME = """<!DOCTYPE html><html><body><iframe src="{page}" style="width:{width}px;height:800px"></iframe>
 <pre id="seen"></pre><script>
@@ -93,9 +95,11 @@ def curve(t: float) -> np.ndarray:
 
 
 def shaped(shapes: np.ndarray) -> dict[str, np.ndarray]:
-    return {
-        f"shape.{c}[{i + 1}]": shapes[:, i, k] for k, c in enumerate("xyz") for i in range(POINTS)
-    }
+    signals = {}
+    for k, axis in enumerate("xyz"):
+        for i in range(POINTS):
+            signals[f"shape.{axis}[{i + 1}]"] = shapes[:, i, k]
+    return signals
 
 
 def result(signals: dict[str, np.ndarray], cause: str = "", **units: str) -> SimpleNamespace:
@@ -133,9 +137,10 @@ def run(tmp_path: Path, **more: np.ndarray) -> Path:
         "loop.broken": math.nan * still,
     }
     for i in range(POINTS):
-        signals[f"shape.bending[{i + 1}]"] = (4e7 if i == POINTS // 2 else 1e5) * still
+        signals[f"shape.bending[{i + 1}]"] = 1e5 * still
         signals[f"shape.torsion[{i + 1}]"] = 0.0 * t
         signals[f"shape.tension[{i + 1}]"] = 80.0 * shapes[:, i, 1]
+    signals[f"shape.bending[{POINTS // 2 + 1}]"] = 4e7 * still
     wound = result(signals | shaped(shapes) | more, **{"left.fy": "N", "conveyance.left.y": "m"})
     wound.winding = Winding(emergency_at=5.0)
     rope = RopeData({}, {"right.swivel.mode": 0}, {})

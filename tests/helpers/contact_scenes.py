@@ -23,8 +23,10 @@ from rope_model.physics.contact import (
 )
 from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 
-#: m, N/m^2, and m by which the planes of two ropes are apart
-DIAMETER, STIFFNESS, GAP = Rope().diameter, 1e6, 0.3
+DIAMETER = Rope().diameter  #: m
+STIFFNESS = 1e6  #: N/m^2
+GAP = 0.3  #: m, between the planes of two ropes
+
 SHORT = Scene(Rope(length=6.0, EI=100.0), Layout(0.6), solver=Solver(step_max=0.01, tolerance=1e5))
 SCENE = SHORT.with_(
     mesh=Mesh("eem", elements=16), shaft=Shaft(contact=Contact(rope_stiffness=STIFFNESS))
@@ -43,7 +45,8 @@ def crossing(gap: float, angle: float, along: float = 0.0) -> tuple[np.ndarray, 
     ):
         tangent = np.array([math.cos(turn), math.sin(turn), 0.0])
         for node, s in zip(nodes, (-1.0, along + 0.013 * k, 1.0), strict=True):
-            q[node, :3], q[node, 3:6] = s * tangent + [0.0, 0.0, z], tangent
+            q[node, :3] = s * tangent + [0.0, 0.0, z]
+            q[node, 3:6] = tangent
     return q, np.array([1.0 + along, 1.0 - along, 6.0, 1.013 + along, 0.987 - along])
 
 
@@ -52,7 +55,9 @@ def exact_force(gap: float, sine: float) -> float:
 
     F = int s(D - sqrt(g^2 + x^2 sin^2 a)) g / sqrt(g^2 + x^2 sin^2 a) dx
     """
-    number, reach, onset = 200000, math.sqrt(DIAMETER**2 - gap**2) / sine, ONSET * DIAMETER
+    number = 200000
+    reach = math.sqrt(DIAMETER**2 - gap**2) / sine
+    onset = ONSET * DIAMETER
     distance = np.hypot(gap, (np.arange(number) + 0.5) / number * reach * sine)
     pressed = DIAMETER - distance
     soft = np.minimum(pressed, onset)
@@ -62,8 +67,11 @@ def exact_force(gap: float, sine: float) -> float:
 
 def force_error(degrees: float) -> float:
     """Largest relative error of the force as the strings move along each other."""
-    scene, angle, gap = Scene(shaft=SCENE.shaft), math.radians(degrees), 0.85 * DIAMETER
-    exact, worst = exact_force(gap, math.sin(angle)), 0.0
+    scene = Scene(shaft=SCENE.shaft)
+    angle = math.radians(degrees)
+    gap = 0.85 * DIAMETER
+    exact = exact_force(gap, math.sin(angle))
+    worst = 0.0
     for along in (0.0, 0.002, 0.004, 0.006, 0.008):
         q, lengths = crossing(gap, angle, along)
         R = np.zeros_like(q)
@@ -77,10 +85,13 @@ class Alone:
 
     def __init__(self, rope: BalanceRope) -> None:
         self.rope: BalanceRope | None = rope
-        self._own, self._kept, self._until = rope, rope.snapshot(), 0.0
+        self._own = rope
+        self._kept = rope.snapshot()
+        self._until = 0.0
 
     def begin(self, t: float, h: float) -> None:
-        self._kept, self._until = self._own.snapshot(), t + h
+        self._kept = self._own.snapshot()
+        self._until = t + h
 
     def go(self) -> bool:
         return self._own.advance_to(self._until, EndMotion(), EndMotion()).valid
@@ -99,8 +110,10 @@ def swinging(scene: Scene, speed: float) -> BalanceRope:
     """A rope at rest, the middle of which moves out of plane."""
     rope = hung(balance_rope(scene, "native"))
     state = rope.state
-    v, x = state.motion.v.copy(), math.pi * state.partition.nodes_s / scene.rope.length
-    v[:, 2], v[:, 5] = speed * np.sin(x) ** 2, speed * np.sin(2.0 * x) * math.pi / scene.rope.length
+    v = state.motion.v.copy()
+    x = math.pi * state.partition.nodes_s / scene.rope.length
+    v[:, 2] = speed * np.sin(x) ** 2
+    v[:, 5] = speed * np.sin(2.0 * x) * math.pi / scene.rope.length
     v[-1] = 0.0
     rope.restore(state._replace(motion=replace(state.motion, v=v)))
     return rope
@@ -129,10 +142,8 @@ def against_a_wall(h: float, **law: float) -> BalanceRope:
 
     With twice the stiffness and twice the damping it does to one of them what the other does.
     """
-    wall, contact = (
-        Lining(width=40.0, depth=40.0, z=0.5 * GAP - 20.0),
-        Contact(stiffness=2.0 * STIFFNESS, **law),
-    )
+    wall = Lining(width=40.0, depth=40.0, z=0.5 * GAP - 20.0)
+    contact = Contact(stiffness=2.0 * STIFFNESS, **law)
     contact = replace(contact, damping=2.0 * contact.damping)
     rope = swinging(SCENE.with_(shaft=Shaft(contact=contact, lining=wall)), 1.0)
     for k in range(1, round(TIME / h) + 1):

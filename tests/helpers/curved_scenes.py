@@ -4,7 +4,8 @@ from dataclasses import replace
 
 from rope_model import Mesh, Rope, Scene, Solver
 
-K0, EI = 0.3, 1.7
+K0 = 0.3
+EI = 1.7
 
 
 def scene(mesh: Mesh | None = None, **rope: float) -> Scene:

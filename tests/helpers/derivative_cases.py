@@ -21,6 +21,7 @@ import struct
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -44,13 +45,17 @@ from rope_model.solver_parameters import Inputs, Model
 INPUTS = tuple(EndMotion.__dataclass_fields__)
 #: m/s^2 and rad/s^2, change of the accelerations in the step that is differentiated
 BEND = {"x": 0.2, "y": 0.2, "z": 0.2, "yaw": 20.0}
-#: shares of the motion by BEND in the largest difference: a short step is not divided, and takes a larger one
+#: inputs of the speeds along the coordinates that are bent
+SPEEDS = {"x": "vx", "y": "vy", "z": "vz", "yaw": "yaw_rate"}
+#: shares of the motion by BEND in the largest difference: a short step is not divided, and takes a
+#: larger one
 LARGEST_SHARE = 3e-2
 LARGEST_SHARE_SHORT = 0.3
 LARGEST_SHARE_UNBENT = 0.5
 #: differences over the largest
 SHARES = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003)
-#: N and N m, change of a load by a difference of which rounding and the last corrections of Newton's method are 1 %
+#: N and N m, change of a load by a difference of which rounding and the last corrections of
+#: Newton's method are 1 %
 VISIBLE = 1e-5
 #: s, by how much an event may move with an input: its step is then the same
 SAME_TIME = 1e-12
@@ -196,8 +201,7 @@ class Differentiated:
     def moved(self, changes: Sequence[dict[str, float]], times: float) -> Ending:
         """Repeat the step with motions that change by ``times`` these changes."""
         left, right = (
-            replace(end, **{name: getattr(end, name) + times * x for name, x in change.items()})
-            for end, change in zip(self.ends, changes, strict=True)
+            with_change(end, change, times) for end, change in zip(self.ends, changes, strict=True)
         )
         return self.end_with((left, right))
 
@@ -209,16 +213,19 @@ class Differentiated:
         return np.asarray(0.5 * (above.loads - below.loads))
 
 
+def with_change(end: EndMotion, change: dict[str, float], times: float) -> EndMotion:
+    """Return the motion that differs by ``times`` this change."""
+    return replace(end, **{name: getattr(end, name) + times * x for name, x in change.items()})
+
+
 def advance_to_event(rope: NativeRope, stop: float, ends: Ends) -> None:
     """Advance as an FMI master with early return does; an event must come."""
     lib, handle, *_ = rope.library
     event = ct.c_int(0)
     step = lib.rope_advance_to_event
-    step.restype, step.argtypes = (
-        ct.c_int,
-        (ct.c_void_p, ct.c_double, ct.c_char_p, ct.c_double, ct.POINTER(ct.c_int)),
-    )
-    values = [x for end in ends for x in vars(end).values()]
+    step.restype = ct.c_int
+    step.argtypes = (ct.c_void_p, ct.c_double, ct.c_char_p, ct.c_double, ct.POINTER(ct.c_int))
+    values = [*chain.from_iterable(vars(end).values() for end in ends)]
     status = rope.status_of(
         step(handle, stop, struct.pack(f"{len(values)}d", *values), stop, ct.byref(event))
     )
@@ -233,7 +240,7 @@ def bent(end: EndMotion, names: Sequence[str], h: float, late: bool) -> EndMotio
         return replace(end, **{f"a{name}": getattr(end, f"a{name}") + BEND[name] for name in names})
     if h < MIN_MEAN_TIME:  # the input filter does not believe such an acceleration of a yaw
         names = [name for name in names if name != "yaw"]
-    speeds = {name: "yaw_rate" if name == "yaw" else f"v{name}" for name in names}
+    speeds = {name: SPEEDS[name] for name in names}
     values = {name: getattr(end, name) + BEND[name] * h * h / 6.0 for name in names}
     values |= {speed: getattr(end, speed) + BEND[name] * h / 2.0 for name, speed in speeds.items()}
     values |= {f"a{name}": getattr(end, f"a{name}") + BEND[name] for name in names if name != "yaw"}
@@ -271,18 +278,30 @@ def derivative(
     return np.array(found)
 
 
+def derivative_order(name: str) -> int:
+    """Return 0 for an input that is a position or an angle, 1 for a speed, 2 for an acceleration."""
+    if name.startswith("a"):
+        return 2
+    return int(name.startswith("v") or name == "yaw_rate")
+
+
 def largest_difference(case: Case, name: str, h: float) -> float:
     """Return the largest change of an input of which differences are shares."""
     if name.startswith("lean"):
         return 0.1 * LARGEST_SHARE * LEANED
-    axis = "yaw" if name.startswith("yaw") else name[-1]
-    order = 2 if name.startswith("a") else 1 if name.startswith("v") or name == "yaw_rate" else 0
-    share, aim = (
-        (LARGEST_SHARE, h) if h >= MIN_MEAN_TIME else (LARGEST_SHARE_SHORT, max(h, MIN_AIM_TIME))
-    )
+    axis = name[-1]
+    jerk = ALLOWED_JERK
+    if name.startswith("yaw"):
+        axis = "yaw"
+        jerk = ALLOWED_YAW_JERK
+    order = derivative_order(name)
+    share = LARGEST_SHARE
+    aim = h
+    if h < MIN_MEAN_TIME:
+        share = LARGEST_SHARE_SHORT
+        aim = max(h, MIN_AIM_TIME)
     if axis in case.bent and not (axis == "yaw" and h < MIN_MEAN_TIME):
         return share * BEND[axis] * aim ** (2 - order)
-    jerk = ALLOWED_YAW_JERK if axis == "yaw" else ALLOWED_JERK
     return LARGEST_SHARE_UNBENT * jerk * aim ** (3 - order)
 
 
@@ -292,14 +311,18 @@ def expected_derivative(step: Differentiated, name: str, h: float) -> NDArray[np
     for share in SHARES:
         size = share * largest
         difference = step.difference(({name: size}, {}))
-        if difference is not None:
-            return difference / size if np.abs(difference).max() > VISIBLE else None
+        if difference is None:
+            continue
+        if np.abs(difference).max() > VISIBLE:
+            return difference / size
+        return None
     return None
 
 
 def errors(case: Case, h: float) -> dict[str, float]:
     """Return the largest error of a derivative over the largest entry, for each input of the left end that shows it."""
-    step, found = differentiated(case, h), {}
+    step = differentiated(case, h)
+    found = {}
     derivatives = {name: derivative(step.rope, 0, name, not case.late) for name in INPUTS}
     for name in INPUTS:
         if name in case.apart or (
@@ -323,11 +346,13 @@ def main() -> None:
             continue
         print(f"{name:<36}", end=" ")
         for h in STEPS:
-            of_inputs = errors(case, 1e-3 * h) if case.shortest <= 1e-3 * h <= case.longest else {}
-            which = max(of_inputs, key=lambda x: of_inputs[x], default="")
-            worst = (
-                f"{100.0 * of_inputs[which]:>6.3f} {which[:4]:<4}" if which else f"{'-':>6}     "
-            )
+            of_inputs = {}
+            worst = f"{'-':>6}     "
+            if case.shortest <= 1e-3 * h <= case.longest:
+                of_inputs = errors(case, 1e-3 * h)
+            if of_inputs:
+                which = max(of_inputs, key=lambda x: of_inputs[x])
+                worst = f"{100.0 * of_inputs[which]:>6.3f} {which[:4]:<4}"
             print(f"{worst} {len(of_inputs):>2}", end="  ", flush=True)
         print(flush=True)
 

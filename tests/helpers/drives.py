@@ -82,10 +82,12 @@ def dead_weights(
     hoist: Hoist, y_left: float, y_right: float, acceleration: float
 ) -> tuple[float, float]:
     """Forces of one balance rope on the conveyances [N]: weight and inertia of its legs."""
-    half, high, mass = hoist.tail_rope_length / 2.0, (y_left - y_right) / 2.0, hoist.tail_rope_mass
-    return -mass * (half + high) * (GRAVITY + acceleration), -mass * (half - high) * (
-        GRAVITY - acceleration
-    )
+    half = hoist.tail_rope_length / 2.0
+    high = (y_left - y_right) / 2.0
+    mass = hoist.tail_rope_mass
+    left = -mass * (half + high) * (GRAVITY + acceleration)
+    right = -mass * (half - high) * (GRAVITY - acceleration)
+    return left, right
 
 
 def rest_at(plant: Plant, heights: tuple[float, float]) -> tuple[PlantState, PlantInput]:
@@ -103,11 +105,16 @@ def state_with(plant: Plant, state: PlantState, **values: float) -> PlantState:
 
 def wind(hoist: Hoist, winding: Winding, gains: Gains, step: float = 0.02) -> dict[str, np.ndarray]:
     """One trip by columns; the dead weights accelerate as the reference, so that the coupling has no delay."""
-    plant, reference = Plant(hoist), s_curve(winding)
-    heights = (0.0, hoist.shaft_travel) if winding.travel > 0.0 else (hoist.shaft_travel, 0.0)
+    plant = Plant(hoist)
+    reference = s_curve(winding)
+    heights = (0.0, hoist.shaft_travel)
+    if winding.travel <= 0.0:
+        heights = (hoist.shaft_travel, 0.0)
     state, u = rest_at(plant, heights)
     shown = at_rest = plant.outputs(state, u)
-    controller, memory, rows = SpeedController(hoist, at_rest.torque, gains), ControllerState(), []
+    controller = SpeedController(hoist, at_rest.torque, gains)
+    memory = ControllerState()
+    rows = []
     for k in range(math.ceil((reference.duration + winding.settle) / step)):
         point = reference.at(k * step)
         measured = Measurement(shown.y_left - heights[0], hoist.sheave_radius * shown.rate)
@@ -116,7 +123,9 @@ def wind(hoist: Hoist, winding: Winding, gains: Gains, step: float = 0.02) -> di
         u = PlantInput(command.torque, *ropes, brake=command.brake)
         moved = plant.step(state, step, u)
         assert moved.valid, moved.message
-        state, memory, shown = moved.state, command.state, plant.outputs(moved.state, u)
+        state = moved.state
+        memory = command.state
+        shown = plant.outputs(moved.state, u)
         rows.append(
             {
                 "time": (k + 1) * step,
@@ -131,4 +140,7 @@ def wind(hoist: Hoist, winding: Winding, gains: Gains, step: float = 0.02) -> di
                 "energy_residual": energy_residual(at_rest, shown, state.work_totals[:5]),
             }
         )
-    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    trip = {}
+    for name in rows[0]:
+        trip[name] = np.array([row[name] for row in rows])
+    return trip

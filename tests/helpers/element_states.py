@@ -48,7 +48,8 @@ class State:
 def some_state(seed: int) -> State:
     """A bent, twisted, stretched element turned anywhere; strains are of order 0.1 to 1."""
     rng = np.random.default_rng(seed)
-    l, turn = rng.uniform(0.5, 2.0), rotation(rng.normal(size=3))
+    l = rng.uniform(0.5, 2.0)
+    turn = rotation(rng.normal(size=3))
     slopes = (np.array([1.2, 0.0, 0.0]) + 0.25 * rng.normal(size=(2, 3))) @ turn.T
     left = rng.normal(size=3)
     right = left + l * (slopes.mean(axis=0) + 0.1 * rng.normal(size=3))

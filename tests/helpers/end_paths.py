@@ -52,7 +52,8 @@ class Follower:
     settings: FilterSettings = field(default_factory=usual_manner)
 
     def __post_init__(self) -> None:
-        self.path, self.filter = EndPath.at_rest(0.0, self.at), InputFilter.at_rest(0.0, self.at)
+        self.path = EndPath.at_rest(0.0, self.at)
+        self.filter = InputFilter.at_rest(0.0, self.at)
 
     def step(self, stop: float, given: EndMotion, given_at: float | None = None) -> FilterStep:
         """On to ``stop`` by the motion ``given`` of the instant ``given_at``, or else of ``stop``."""

@@ -16,7 +16,9 @@ SHORT = Scene(
 
 EVEN = SHORT.with_(mesh=Mesh(kind="eem", elements=62))
 
-HIGH, TRAVEL, DURATION = 12.0, 8.0, 5.0
+HIGH = 12.0
+TRAVEL = 8.0
+DURATION = 5.0
 
 
 def ends_at(t: float, z: float = 0.0, yaw: float = 0.0, duration: float = DURATION) -> Ends:

@@ -20,13 +20,15 @@ def remainder_steps(H: float, T: float) -> Steps:
 
 def adding_steps(H: float, T: float) -> Steps:
     """``t += H``, and one step back to the even instants every second."""
-    t, second = 0.0, 1.0
+    t = 0.0
+    second = 1.0
     while second <= T:
         while t + H < second:
             yield t, H
             t += H
         yield t, second - t
-        t, second = second, second + 1.0
+        t = second
+        second += 1.0
 
 
 def counted_steps(H: float, T: float) -> Steps:
@@ -54,9 +56,11 @@ def random_steps(seed: int, T: float, shortest: float, longest: float) -> Steps:
         t += h
 
 
-#: of y, vy and ay behind a jerk j that is extrapolated over steps up to H, over j H^3, j H^2 and j H: in any steps
+#: of y, vy and ay behind a jerk j that is extrapolated over steps up to H, over j H^3, j H^2 and j
+#: H: in any steps
 MISSED = np.array([1.2, 1.2, 5.9])
-#: the trip that the loops wind
-TRAVEL, DURATION = 90.0, 25.0
+#: m and s, of the trip that the loops wind
+TRAVEL = 90.0
+DURATION = 25.0
 #: m/s^3, of the trip at its start
 JERK = 60 * TRAVEL / DURATION**3

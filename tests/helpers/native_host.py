@@ -8,26 +8,40 @@ import time
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import fmpy
 from fmpy.fmi2 import defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.fmi3 import fmi3LogMessageCallback
 from fmpy.model_description import ModelDescription, ModelVariable
+from signal_names import of_both_ends
 
 H = 0.01
-OK, WARNING, DISCARD, ERROR = 0, 1, 2, 3
+OK = 0
+WARNING = 1
+DISCARD = 2
+ERROR = 3
 #: s of processor time that one call may take
 LONGEST_CALL = 20.0
-_DOUBLE, _POINTER, _ONE = ctypes.c_double, ctypes.c_void_p, ctypes.c_size_t(1)
-_C = {
-    "Real": _DOUBLE,
-    "Float64": _DOUBLE,
-    "Integer": ctypes.c_int,
-    "Int32": ctypes.c_int32,
-    "Int64": ctypes.c_int64,
+_DOUBLE = ctypes.c_double
+_POINTER = ctypes.c_void_p
+_ONE = ctypes.c_size_t(1)
+#: types of values by the version of FMI and the name in its functions
+_C: dict[int, dict[str, Any]] = {
+    2: {
+        "Real": _DOUBLE,
+        "Integer": ctypes.c_int,
+        "Boolean": ctypes.c_int,
+        "String": ctypes.c_char_p,
+    },
+    3: {
+        "Float64": _DOUBLE,
+        "Int32": ctypes.c_int32,
+        "Int64": ctypes.c_int64,
+        "Boolean": ctypes.c_bool,
+        "String": ctypes.c_char_p,
+    },
 }
-_C["String"] = ctypes.c_char_p
 #: a rope of nine equal elements, or of TMN-ETM's fewest
 SMALL: dict[str, float] = {
     "mesh.kind": 1,
@@ -45,6 +59,14 @@ SMALL: dict[str, float] = {
 def _description(path: Path, written: int) -> ModelDescription:
     """Read once per file: fmpy takes 0.1 s."""
     return fmpy.read_model_description(str(path))
+
+
+class Access(NamedTuple):
+    """Kind of the function that reads or sets a variable, its arguments, and the array of values among them."""
+
+    kind: str
+    arguments: list[Any]
+    array: Any
 
 
 class Host:
@@ -65,26 +87,27 @@ class Host:
         self.log: list[tuple[int, str]] = []
         self.said: list[str] = []
         self.reached = _DOUBLE()  # s, by the last step, in FMI 3.0
-        identifier, place = (
-            self.description.coSimulation.modelIdentifier,
-            Path(folder).resolve() / "resources",
-        )
+        identifier = self.description.coSimulation.modelIdentifier
+        place = Path(folder).resolve() / "resources"
         self.binary = next((Path(folder) / "binaries").rglob(f"{identifier}.*"))
         self.dll = ctypes.CDLL(str(self.binary))
-        code = (self.description.guid if token is None else token).encode()
-        if resources is None:
-            resources = (place.as_uri() if self.fmi == 2 else f"{place}{os.sep}").encode()
+        if token is None:
+            token = self.description.guid
+        code = token.encode()
         if self.fmi == 2:
-            make, self._callbacks = self.dll.fmi2Instantiate, fmi2CallbackFunctions()
+            if resources is None:
+                resources = place.as_uri().encode()
+            make = self.dll.fmi2Instantiate
+            self._callbacks = fmi2CallbackFunctions()
             self._callbacks.logger = fmi2CallbackLoggerTYPE(self._heard)
             functions = memory or (defaultCallbacks.allocateMemory, defaultCallbacks.freeMemory)
             self._callbacks.allocateMemory, self._callbacks.freeMemory = functions
             arguments: Any = b"rope", 1, code, resources, ctypes.byref(self._callbacks), 0, 1
         else:
-            make, self._logger = (
-                self.dll.fmi3InstantiateCoSimulation,
-                fmi3LogMessageCallback(self._heard),
-            )
+            if resources is None:
+                resources = f"{place}{os.sep}".encode()
+            make = self.dll.fmi3InstantiateCoSimulation
+            self._logger = fmi3LogMessageCallback(self._heard)
             flags = False, True, events, events
             arguments = (
                 b"rope",
@@ -110,7 +133,8 @@ class Host:
 
     def call(self, name: str, *arguments: Any) -> int:
         """``fmi2Name`` or ``fmi3Name`` as it is in the library, and what must hold for all calls."""
-        before, start = len(self.said), time.thread_time()
+        before = len(self.said)
+        start = time.thread_time()
         status: int = getattr(self.dll, f"fmi{self.fmi}{name}")(_POINTER(self.instance), *arguments)
         assert time.thread_time() - start < LONGEST_CALL, name
         assert status in (OK, DISCARD, ERROR), name
@@ -127,18 +151,20 @@ class Host:
 
     # variables
 
-    def _room(
+    def _access(
         self, variable: ModelVariable, kind: str, reference: int | None, values: list[Any]
-    ) -> tuple[Any, ...]:
-        """Type of the function, its arguments, and the array among them."""
-        kind = "Int64" if kind == "Enumeration" else kind
-        c = _C.get(kind, ctypes.c_bool if self.fmi == 3 else ctypes.c_int)
-        which = ctypes.c_uint(variable.valueReference if reference is None else reference)
-        room, number = (
-            (c * len(values))(*values),
-            (ctypes.c_size_t(len(values)),) if self.fmi == 3 else (),
-        )
-        return kind, (ctypes.byref(which), _ONE, room, *number), room
+    ) -> Access:
+        """Access to a variable by a function of this kind, with these values."""
+        if kind == "Enumeration":
+            kind = "Int64"
+        if reference is None:
+            reference = variable.valueReference
+        which = ctypes.c_uint(reference)
+        array = (_C[self.fmi][kind] * len(values))(*values)
+        arguments = [ctypes.byref(which), _ONE, array]
+        if self.fmi == 3:
+            arguments.append(ctypes.c_size_t(len(values)))
+        return Access(kind, arguments, array)
 
     def put(
         self, name: str, value: Any, reference: int | None = None, kind: str | None = None
@@ -147,20 +173,17 @@ class Host:
         variable = self.variables[name]
         kind = kind or variable.type
         of = {"Real": float, "Float64": float, "String": lambda _: b"text"}.get(kind, int)
-        many = value if isinstance(value, list | tuple) else [value]
-        kind, arguments, _ = self._room(variable, kind, reference, [*map(of, many)])
-        return self.call(f"Set{kind}", *arguments)
+        if not isinstance(value, list | tuple):
+            value = [value]
+        access = self._access(variable, kind, reference, [*map(of, value)])
+        return self.call(f"Set{access.kind}", *access.arguments)
 
     def give(self, values: Mapping[str, float]) -> int:
         """The first status that is not OK; elements of FMI 3's arrays are left alone."""
-        return next(
-            (
-                s
-                for name, x in values.items()
-                if name in self.variables and (s := self.put(name, x))
-            ),
-            OK,
-        )
+        for name, value in values.items():
+            if name in self.variables and (status := self.put(name, value)):
+                return status
+        return OK
 
     def set(self, **values: Any) -> None:
         for name, value in values.items():
@@ -169,35 +192,41 @@ class Host:
     def fetch(self, name: str, reference: int | None = None) -> tuple[int, list[Any]]:
         """Status and values."""
         variable = self.variables[name]
-        size = int(variable.dimensions[0].start) if variable.dimensions else 1
-        values = [None if variable.type == "String" else 0] * size
-        kind, arguments, room = self._room(variable, variable.type, reference, values)
-        return self.call(f"Get{kind}", *arguments), list(room)
+        size = 1
+        if variable.dimensions:
+            size = int(variable.dimensions[0].start)
+        nothing = None if variable.type == "String" else 0
+        access = self._access(variable, variable.type, reference, [nothing] * size)
+        return self.call(f"Get{access.kind}", *access.arguments), list(access.array)
 
     def get(self, *names: str) -> list[Any]:
         out = []
         for name in names:
             status, values = self.fetch(name)
             assert status == OK, self.said[-1]
-            value = values if self.variables[name].dimensions else values[0]
-            out.append(value.decode() if isinstance(value, bytes) else value)
+            if self.variables[name].dimensions:
+                out.append(values)
+            elif isinstance(values[0], bytes):
+                out.append(values[0].decode())
+            else:
+                out.append(values[0])
         return out
 
     def real(self, name: str) -> float:
         """A real output; NaN when there is none."""
         status, (value,) = self.fetch(name)
-        return value if status == OK else math.nan
+        if status != OK:
+            return math.nan
+        return value
 
     def forces(self) -> tuple[float, ...]:
-        return tuple(
-            self.real(f"{side}.{kind}")
-            for side in ("left", "right")
-            for kind in ("fx", "fy", "fz", "my")
-        )
+        return tuple(map(self.real, of_both_ends("fx", "fy", "fz", "my")))
 
     def derive(self, unknown: int, known: int, seed: float = 1.0) -> tuple[int, float]:
         """Status and value of the directional derivative between two references."""
-        (u, k), s, value = map(ctypes.c_uint, (unknown, known)), _DOUBLE(seed), _DOUBLE()
+        u, k = map(ctypes.c_uint, (unknown, known))
+        s = _DOUBLE(seed)
+        value = _DOUBLE()
         sizes = (_ONE,) if self.fmi == 3 else ()
         arguments = [
             ctypes.byref(u),
@@ -221,11 +250,7 @@ class Host:
     # a run
 
     def enter(self, start: float = 0.0, stop: float | None = None) -> int:
-        times = (
-            _DOUBLE(start),
-            ctypes.c_int(stop is not None),
-            _DOUBLE(0.0 if stop is None else stop),
-        )
+        times = (_DOUBLE(start), ctypes.c_int(stop is not None), _DOUBLE(stop or 0.0))
         if self.fmi == 3:
             return self.call("EnterInitializationMode", False, _DOUBLE(0.0), *times)
         return self.call("SetupExperiment", 0, _DOUBLE(0.0), *times) or self.call(
@@ -252,11 +277,14 @@ class Host:
 
     def step(self, t: float, h: float = H) -> str:
         """'' or what the FMU says when the step fails."""
-        return self.said[-1] if self.do_step(t, h) else ""
+        if self.do_step(t, h) == OK:
+            return ""
+        return self.said[-1]
 
     def move(self, t: float, h: float, amplitude: float = 0.5, since: float = 0.0) -> int:
         """A step with the ends swinging against each other and the left one turning; t is counted from ``since``."""
-        w, at = 2.0, t + h
+        w = 2.0
+        at = t + h
         y, v, a = (
             amplitude * x
             for x in (1 - math.cos(w * at), w * math.sin(w * at), w * w * math.cos(w * at))
@@ -269,7 +297,9 @@ class Host:
     # states
 
     def _of_state(self, name: str) -> str:
-        return name.replace("State", "state") if self.fmi == 2 else name
+        if self.fmi == 2:
+            return name.replace("State", "state")
+        return name
 
     def save(self, state: ctypes.c_void_p) -> int:
         return self.call(self._of_state("GetFMUState"), ctypes.byref(state))
@@ -306,7 +336,8 @@ def reseal(data: bytes) -> bytes:
     """A damaged state with the length and the checksum (FNV-1a over words) that component.c expects."""
     if len(data) < 24:
         return data
-    body, checksum = data[24:], 14695981039346656037
+    body = data[24:]
+    checksum = 14695981039346656037
     words = len(body) // 8
     for value in (*struct.unpack(f"<{words}Q", body[: 8 * words]), *body[8 * words :]):
         checksum = (checksum ^ value) * 1099511628211 & 0xFFFFFFFFFFFFFFFF

@@ -8,6 +8,8 @@ import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass
 from functools import cache
+from itertools import chain
+from operator import attrgetter
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -124,12 +126,11 @@ def compiled(folder: Path, texts: dict[str, str]) -> ct.CDLL:
         pytest.skip("no C compiler")
     for name, text in (sources() | texts).items():
         (folder / name).write_text(text, encoding="utf-8")
-    command, objects = (
-        [*compiler, *kernels.FLAGS],
-        kernels.object_files(sources(), compiler, kernels.FLAGS, kernels.cache_folder()),
-    )
+    command = [*compiler, *kernels.FLAGS]
+    objects = kernels.object_files(sources(), compiler, kernels.FLAGS, kernels.cache_folder())
     kernels.compile_objects(sources(), command, objects)
-    files = [str(path) for path in (*objects.values(), *(folder / name for name in texts))]
+    more = [folder / name for name in texts]
+    files = [str(path) for path in (*objects.values(), *more)]
     made = folder / f"compiled{kernels.LIBRARY_SUFFIX}"
     command += [*WARNINGS, f"-I{folder}", *files, "-o", str(made), "-lm"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -152,7 +153,9 @@ def _library() -> ct.CDLL:
 @cache
 def _parts() -> SimpleNamespace:
     library = _library()
-    n, x, p = ct.c_int, ct.c_double, ct.c_void_p
+    n = ct.c_int
+    x = ct.c_double
+    p = ct.c_void_p
     signatures: dict[str, tuple[Any, ...]] = {
         "fit_mesh": (GROUPS[Mesh], p),
         "partition_elements": (n, p, x, p, p),
@@ -178,7 +181,8 @@ def _parts() -> SimpleNamespace:
         "arrays_of": (None, p, p, p, p, p, p, n, p),
     }
     for name, (result, *arguments) in signatures.items():
-        getattr(library, name).restype, getattr(library, name).argtypes = result, arguments
+        getattr(library, name).restype = result
+        getattr(library, name).argtypes = arguments
     return SimpleNamespace(**{name: passing_arrays(getattr(library, name)) for name in signatures})
 
 
@@ -190,7 +194,9 @@ def passing_arrays(function: Any) -> Callable[..., Any]:
             assert x.flags.c_contiguous
             assert x.dtype == float
             return x.ctypes.data
-        return ct.addressof(x) if isinstance(x, ct.Structure | ct.Array | ct.c_double) else x
+        if isinstance(x, ct.Structure | ct.Array | ct.c_double):
+            return ct.addressof(x)
+        return x
 
     return lambda *arguments: function(*map(address, arguments))
 
@@ -229,16 +235,15 @@ def partition(
     mesh: Mesh, length: float, bottom_s: float, divider_s: Sequence[float] = NO_DIVIDERS
 ) -> Partition:
     """Return the partition of a rope whose lowest point is at ``bottom_s`` (m), or raise ValueError."""
-    parts, of, text, places = (
-        _parts(),
-        scene_structure(Scene(mesh=mesh)).mesh,
-        message(),
-        np.array(divider_s),
-    )
+    parts = _parts()
+    of = scene_structure(Scene(mesh=mesh)).mesh
+    text = message()
+    places = np.array(divider_s)
     elements = parts.partition_elements(of, length, places, text)
     if elements == 0:
         raise ValueError(text.value.decode())
-    pattern, lengths = CPattern(), np.empty(elements)
+    pattern = CPattern()
+    lengths = np.empty(elements)
     parts.partition(of, length, bottom_s, places, elements, pattern, lengths)
     return _record(pattern, lengths)
 
@@ -253,7 +258,8 @@ def transform(
     cells: Partition, direction: int, divider_s: Sequence[float] = NO_DIVIDERS
 ) -> Partition:
     """Return the partition whose pattern has moved by l, or whose windows have."""
-    pattern, lengths = _pattern(cells), np.empty(cells.lengths.size)
+    pattern = _pattern(cells)
+    lengths = np.empty(cells.lengths.size)
     _parts().partition_transform(
         pattern, int(direction), np.array(divider_s), lengths.size, lengths
     )
@@ -282,7 +288,8 @@ def interpolate(x: Array, s: Array, at: Array) -> Array:
 def shape(q: Array, lengths: Array, bottom_s: float, loop: float, points: int) -> Array:
     """Return points (points, 3) of the centre line, denser around the loop of this width (m)."""
     s = arc_lengths(lengths)
-    places, xyz = np.empty(points), np.empty((points, 3))
+    places = np.empty(points)
+    xyz = np.empty((points, 3))
     _parts().shape_places(s[-1], bottom_s, loop, points, places)
     _parts().diagnostics_shape(s.size, np.ascontiguousarray(q), s, points, places, xyz)
     return xyz
@@ -317,7 +324,9 @@ class RigidRope:
 def rigid_rope(scene: Scene, ends: tuple[EndMotion, EndMotion], t: float, s: Array) -> RigidRope:
     """Return the rigid rope with nodes at ``s`` (m); raises ValueError if it goes slack."""
     q, v, a, reaction = (np.zeros((s.size, 7)) for _ in range(4))
-    kinetic, gravity, text = ct.c_double(), ct.c_double(), message()
+    kinetic = ct.c_double()
+    gravity = ct.c_double()
+    text = message()
     motions = (EndMotionStructure * 2)(*(EndMotionStructure(*astuple(end)) for end in ends))
     _parts().rigid_rope(
         scene_structure(scene), motions, t, s.size, s, q, v, a, reaction, kinetic, gravity, text
@@ -379,20 +388,23 @@ def clearances(scene: Scene, q: Array, lengths: Array, t: float) -> tuple[Neares
     found = (PARTS[Nearest] * len(KINDS))()
     arrays = nodal_arrays(np.ascontiguousarray(q), np.ascontiguousarray(lengths))
     _parts().shaft_clearances(scene_structure(scene), arrays, t, found)
-    return tuple(Nearest(*(getattr(one, name) for name in Nearest._fields)) for one in found)
+    members = attrgetter(*Nearest._fields)
+    return tuple(Nearest(*members(one)) for one in found)
 
 
 def refusal(scene: Scene, target: EndMotion, measures: PathMeasures, side: str) -> str:
     """Return why an end cannot move as ``target`` by a path of these measures; '' if it can."""
-    sizes = np.array([x for row in measures for x in row])
-    motion, text = EndMotionStructure(*astuple(target)), message()
+    sizes = np.array([*chain.from_iterable(measures)])
+    motion = EndMotionStructure(*astuple(target))
+    text = message()
     _parts().check_motion(scene_structure(scene), motion, sizes, SIDES.index(side), text)
     return str(text.value.decode())
 
 
 def stale_input_error(inputs: Inputs, t: float, end_filter: InputFilter, side: str) -> str:
     """Return why a motion that has not changed is refused at ``t`` (s); '' if it is not."""
-    settings, structure = scene_structure(Scene(inputs=inputs)), PARTS[InputFilter](*end_filter)
+    settings = scene_structure(Scene(inputs=inputs))
+    structure = PARTS[InputFilter](*end_filter)
     text = message()
     _parts().check_input_age(settings.inputs, t, structure, SIDES.index(side), text)
     return str(text.value.decode())
@@ -420,13 +432,13 @@ def find_self_contacts(
     x: Array | None = None,
 ) -> SelfContacts:
     """Return the contacts, with the tangent with respect to c times q and v, and its product with ``x``."""
-    R, y = np.zeros_like(q), np.zeros_like(q)
+    R = np.zeros_like(q)
+    y = np.zeros_like(q)
     names = (*CONTACT_BALANCE, "rope")
     sums = np.zeros(len(names))
-    of = np.zeros_like(q) if x is None else x
-    _parts().self_contact_of(
-        scene_structure(scene), lengths.size, lengths, q, v, *c, of, R, y, sums
-    )
+    if x is None:
+        x = np.zeros_like(q)
+    _parts().self_contact_of(scene_structure(scene), lengths.size, lengths, q, v, *c, x, R, y, sums)
     return SelfContacts(-R, y, dict(zip(names, sums.tolist(), strict=True)))
 
 

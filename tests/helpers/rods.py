@@ -43,13 +43,17 @@ def rod(
 
     ``material`` has the entries of physics.element.PARAMETERS.  The frame is that of ``reference``, else of ``values``.
     """
+    if load is None:
+        load = np.zeros_like(values)
+    if reference is None:
+        reference = values
     return Equations(
         lengths=lengths,
         material=material,
-        frame=frame_at(values if reference is None else reference, lengths),
+        frame=frame_at(reference, lengths),
         held=held,
         motion=at_rest(values),
-        load=np.zeros_like(values) if load is None else load,
+        load=load,
         inertia=np.zeros_like(values),
         friction=np.zeros(len(values)),
     )
@@ -65,7 +69,9 @@ def chain_tangent(
     """Return c[0] dR/dq + c[1] dR/dv + c[2] dR/da of all freedoms of a rod at rest in ``q``."""
     zeros = np.zeros_like(q)
     parts = (*(of_elements(x) for x in (q, zeros, zeros)), equations.lengths[None, :])
-    before = of_elements(q if prestress is None else prestress)
+    if prestress is None:
+        prestress = q
+    before = of_elements(prestress)
     tangent = (functions or element_functions()).tangent
     J = tangent(*parts, equations.frame, equations.material, *c, before)[1]
     inertia = sp.diags(c[2] * equations.inertia.ravel())

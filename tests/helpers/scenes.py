@@ -39,7 +39,8 @@ def fixed_steps(h: float) -> Solver:
 def smooth_step(t: float, start: float = 1.0, duration: float = 3.0) -> tuple[float, float, float]:
     """From 0 to 1, with its two derivatives in 1/s and 1/s^2."""
     s = min(max((t - start) / duration, 0.0), 1.0)
-    rate, bend = 30 * s**2 * (1 - s) ** 2, 60 * s - 180 * s**2 + 120 * s**3
+    rate = 30 * s**2 * (1 - s) ** 2
+    bend = 60 * s - 180 * s**2 + 120 * s**3
     return 10 * s**3 - 15 * s**4 + 6 * s**5, rate / duration, bend / duration**2
 
 
@@ -52,10 +53,8 @@ def smooth_trip(t: float, travel: float, duration: float, height: float) -> Ends
 def past_each_other(t: float) -> Ends:
     """Both ends pass each other in 1 s, the left one also moves aside."""
     y, v, a = smooth_step(t, 0.0, 1.0)
-    up, aside = (
-        {"y": 0.5 * y, "vy": 0.5 * v, "ay": 0.5 * a},
-        {"z": 0.2 * y, "vz": 0.2 * v, "az": 0.2 * a},
-    )
+    up = {"y": 0.5 * y, "vy": 0.5 * v, "ay": 0.5 * a}
+    aside = {"z": 0.2 * y, "vz": 0.2 * v, "az": 0.2 * a}
     return EndMotion(**up, **aside), EndMotion(**{name: -x for name, x in up.items()})
 
 
@@ -69,7 +68,8 @@ def ends_at(reference: Trajectory, travel: float, t: float) -> Ends:
 def turn(angle: float, duration: float, t: float) -> Ends:
     """Both conveyances turn together about Y, 1 m from the axis."""
     a, w, e = (angle * x for x in smooth_step(t, 0.0, duration))
-    c, s = math.cos(a), math.sin(a)
+    c = math.cos(a)
+    s = math.sin(a)
     left, right = (
         EndMotion(
             x=r * c - r,
@@ -123,7 +123,8 @@ def recorded(
 ) -> np.ndarray:
     """(steps, names): signals after each step from rest; motions are those of ``late`` steps before its end."""
     hung(rope, *motion(0.0))
-    read, rows = rope.reader(names), []
+    read = rope.reader(names)
+    rows = []
     for k in range(1, steps + 1):
         status = rope.advance_to(k * step, *motion((k - late) * step), (k - late) * step)
         assert status.valid, status.message
@@ -154,8 +155,10 @@ class Trip:
     @cached_property
     def reference(self) -> Trajectory:
         plain = replace(find_case(self.scene).winding, start_delay=0.0)
-        stop = 0.6 * s_curve(plain).duration if self.trip == "emergency stop" else None
-        return s_curve(replace(plain, emergency_at=stop))
+        whole = s_curve(plain)
+        if self.trip == "emergency stop":
+            return s_curve(replace(plain, emergency_at=0.6 * whole.duration))
+        return whole
 
     @property
     def steps(self) -> int:
@@ -166,10 +169,13 @@ class Trip:
         return ends_at(self.reference, find_case(self.scene).winding.travel, t)
 
 
-P120, P240 = rope_120(), rope_240()
-TRIP, LONG_TRIP = s_curve(Winding()), s_curve(Winding(travel=P240.travel, speed=P240.speed))
+P120 = rope_120()
+P240 = rope_240()
+TRIP = s_curve(Winding())
+LONG_TRIP = s_curve(Winding(travel=P240.travel, speed=P240.speed))
 STOP = emergency_stop(TRIP, 12.0, 5.0, 50.0)
-COUPLED, FREE = P120.scene, Swivel(mode="free")
+COUPLED = P120.scene
+FREE = Swivel(mode="free")
 UNCOUPLED = COUPLED.with_(rope=replace(COUPLED.rope, Qb=0.0, Qc=0.0))
 LOOSE = UNCOUPLED.with_(left=FREE, right=FREE)
 

@@ -15,14 +15,16 @@ from rope_model import (
     Swivel,
 )
 
-D, K = Rope().diameter, 1e6
+D = Rope().diameter
+K = 1e6
 
 STEP = 0.01
 
 
 def twisted(stiffness: float = K, **parts: Any) -> Scene:
     """A short rope, the legs of which come to lie against each other as its held ends twist it."""
-    shaft, mesh = Shaft(contact=Contact(rope_stiffness=stiffness)), Mesh("eem", elements=8)
+    shaft = Shaft(contact=Contact(rope_stiffness=stiffness))
+    mesh = Mesh("eem", elements=8)
     held = Scene(
         Rope(length=6.0, EI=100.0), Layout(0.3), left=Swivel("locked"), right=Swivel("locked")
     )
@@ -33,7 +35,8 @@ def twisted(stiffness: float = K, **parts: Any) -> Scene:
 
 def end(t: float, turns: float, time: float) -> EndMotion:
     """Either end turns so far in this time, and twists the rope by as much."""
-    s, turn = min(t / time, 1.0), 2.0 * math.pi * turns
+    s = min(t / time, 1.0)
+    turn = 2.0 * math.pi * turns
     return EndMotion(
         yaw=turn * s**3 * (10 - 15 * s + 6 * s * s), yaw_rate=turn * 30 * (s * (1 - s)) ** 2 / time
     )

@@ -11,15 +11,24 @@ import pytest
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Capture, Patch = pytest.CaptureFixture[str], pytest.MonkeyPatch
+Capture = pytest.CaptureFixture[str]
+Patch = pytest.MonkeyPatch
 #: gives the FMU of a kind, and the folder into which it is unpacked
 Unpacked = Callable[[str], tuple[Path, str]]
+
+
+def slow_if(is_slow: bool) -> tuple[pytest.MarkDecorator, ...]:
+    """Return the marks of a test's parameter."""
+    if is_slow:
+        return (pytest.mark.slow,)
+    return ()
 
 
 def straight(s: Array) -> Array:
     """(nodes, 7): an unstrained rope along X."""
     q = np.zeros((s.size, 7))
-    q[:, 0], q[:, 3] = s, 1.0
+    q[:, 0] = s
+    q[:, 3] = 1.0
     return q
 
 
@@ -35,6 +44,9 @@ def difference(f: Callable[[Array], Any], x: Any, step: float = 1e-5) -> Array:
 def rotation(vector: Array) -> Array:
     """(3, 3): turning by |vector| about ``vector``."""
     angle = float(np.linalg.norm(vector))
-    x, y, z = vector / angle if angle > 0 else vector
+    axis = vector
+    if angle > 0:
+        axis = vector / angle
+    x, y, z = axis
     K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K

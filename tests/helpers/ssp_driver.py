@@ -65,17 +65,17 @@ def to_the_end(ssp: str) -> Iterator[tuple[float, float]]:
 
 def fmpy_rows(ssp: str, clock: Iterable[tuple[float, float]]) -> Rows:
     """Jacobi: all inputs set, all FMUs stepped, all outputs read."""
-    system, folder = read_ssd(ssp).system, fmpy.extract(ssp)
+    system = read_ssd(ssp).system
+    folder = fmpy.extract(ssp)
     parts: dict[str, Host] = {}
     folders = [folder]
     for component in system.elements:
         path = Path(folder) / component.source
         folders.append(fmpy.extract(str(path)))
         parts[component.name] = part = Host(path, folders[-1])
-        for parameter in (
-            p for b in component.parameterBindings for p in b.parameterValues[0].parameters
-        ):
-            part.set(**{parameter.name: READ[parameter.type](parameter.value)})
+        for binding in component.parameterBindings:
+            for parameter in binding.parameterValues[0].parameters:
+                part.set(**{parameter.name: READ[parameter.type](parameter.value)})
         assert part.enter() == OK, part.said
 
     def hand_over() -> None:
@@ -121,25 +121,22 @@ def libcosim_rows(ssp: str, steps: int) -> Rows:
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimObserver import CosimObserver
 
-    execution, observer = CosimExecution.from_ssp_file(ssp), CosimObserver.create_time_series()
+    execution = CosimExecution.from_ssp_file(ssp)
+    observer = CosimObserver.create_time_series()
     execution.add_observer(observer)
-    index = {
-        name: execution.slave_index_from_instance_name(name)
-        for name in {component for component, _ in SIGNALS}
-    }
     places = []
     for component, name in SIGNALS:
-        variables = execution.slave_variables(index[component])
-        places.append(
-            (index[component], next(v.reference for v in variables if v.name == name.encode()))
-        )
+        index = execution.slave_index_from_instance_name(component)
+        variables = execution.slave_variables(index)
+        places.append((index, next(v.reference for v in variables if v.name == name.encode())))
     for place in places:
         observer.start_time_series(*place, CosimVariableType.REAL)
     if not all(execution.step() for _ in range(steps)):
         raise RuntimeError("libcosim stopped")
     series = [observer.time_series_real_samples(*place, 1, steps) for place in places]
     assert series[0][0][-1] == round(steps * H * 1e9)
-    return [list(row) for row in zip(*(values for _, _, values in series), strict=True)]
+    columns = [values for _, _, values in series]
+    return [list(row) for row in zip(*columns, strict=True)]
 
 
 TOOLS: dict[str, Callable[[str, int], Rows]] = {

@@ -9,6 +9,7 @@ from pathlib import Path
 import fmpy
 import pytest
 from checkout import NATIVE, ROOT
+from signal_names import of_both_ends
 
 from fmu_src.native.build import PLATFORMS, host_platform
 from fmu_src.native.export import HEADERS
@@ -47,8 +48,12 @@ def live(fmu: Path, folder: Path, way: str) -> list[int]:
     runner = RUNNERS[way]
     if runner and shutil.which(runner[0]) is None:
         pytest.skip(f"needs {runner[0]}")
-    name = way if way in PLATFORMS else host_platform()
-    compiler = ["cc", *(SANITIZED if way == "sanitizers" else ())]
+    name = host_platform()
+    if way in PLATFORMS:
+        name = way
+    compiler = ["cc"]
+    if way == "sanitizers":
+        compiler += SANITIZED
     if name != host_platform():
         compiler = [
             sys.executable,
@@ -60,7 +65,8 @@ def live(fmu: Path, folder: Path, way: str) -> list[int]:
         ]
     elif not name.endswith("linux") or shutil.which("cc") is None:
         pytest.skip("needs Linux and a C compiler")
-    unzipped, program = Path(fmpy.extract(str(fmu), str(folder))), folder / "life.exe"
+    unzipped = Path(fmpy.extract(str(fmu), str(folder)))
+    program = folder / "life.exe"
     source = str(NATIVE / "life_cycle.c")
     libraries = ["-lm"] if name.endswith("windows") else ["-ldl", "-lm"]
     command = [*compiler, "-std=gnu99", f"-I{HEADERS}", source, "-o", str(program), *libraries]
@@ -83,9 +89,7 @@ def live(fmu: Path, folder: Path, way: str) -> list[int]:
         subprocess.run([*compiler, "-std=gnu99", *shared, *files, "-lm"], check=True)
     description = fmpy.read_model_description(str(fmu))
     references = {v.name: str(v.valueReference) for v in description.modelVariables}
-    given = [
-        references[f"{side}.{name}"] for side in ("left", "right") for name in ("y", "vy", "ay")
-    ]
+    given = [references[name] for name in of_both_ends("y", "vy", "ay")]
     command = [
         *runner,
         str(program),
@@ -95,7 +99,8 @@ def live(fmu: Path, folder: Path, way: str) -> list[int]:
         references["status.warning"],
     ]
     environment = {**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(folder / "wine")}
-    environment |= CHECKED_HEAP if way == host_platform() else {}
+    if way == host_platform():
+        environment |= CHECKED_HEAP
     if way == "counted":
         counted = folder / "counted.so"
         source = NATIVE / "counted.c"

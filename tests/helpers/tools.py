@@ -6,8 +6,9 @@ import sysconfig
 from pathlib import Path
 
 import pytest
+from signal_names import of_both_ends
 
-INPUTS = [f"{side}.{key}" for side in ("left", "right") for key in ("y", "vy", "ay")]
+INPUTS = [*of_both_ends("y", "vy", "ay")]
 
 PACKAGES = {"fmpy": "fmpy", "libcosim": "libcosimpy", "ecos": "ecospy"}
 

@@ -9,7 +9,8 @@ from rope_model import (
 )
 from rope_model.solver_parameters import FidelityChoice
 
-H, TRAVEL = 0.01, 20.0
+H = 0.01
+TRAVEL = 20.0
 
 
 def unfit(t: float, fidelity: FidelityChoice) -> EndMotion:
@@ -23,8 +24,6 @@ def unfit(t: float, fidelity: FidelityChoice) -> EndMotion:
     if fidelity == "planar":
         return end
     end = replace(end, z=round(0.02 * at * at, 4), vz=0.04 * at, az=0.04)
-    return (
-        end
-        if fidelity == "spatial"
-        else replace(end, yaw=round(0.1 * at * at, 3), yaw_rate=0.2 * at)
-    )
+    if fidelity == "spatial":
+        return end
+    return replace(end, yaw=round(0.1 * at * at, 3), yaw_rate=0.2 * at)

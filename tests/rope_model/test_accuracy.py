@@ -11,6 +11,7 @@ from invariants.books import integrals
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from scenes import P120, TRIP, Trip, ends_at, hung, recorded, wound
+from signal_names import of_both_ends
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
@@ -40,23 +41,31 @@ CONSTANT = float(local_error(Coefficients(0.6), 1.0, 1.0))
 
 def test_errors_of_a_wave_add_up_to_its_phase() -> None:
     """Each step turns a wave of amplitude 1 by C (omega h)^3: it is off by all turns so far, as far as they last."""
-    leg, h, n = 300.0, 0.01, 400
+    leg = 300.0
+    h = 0.01
+    n = 400
     omega = accuracy.axial_frequency(ROPE, leg)
-    turn, sums = CONSTANT * (omega * h) ** 3, accuracy.ErrorSums()
+    turn = CONSTANT * (omega * h) ** 3
+    sums = accuracy.ErrorSums()
     rates = omega * np.sin(omega * h * np.arange(n + 1))
     for pace in np.diff(rates) / h:
         sums = accuracy.add_errors(
             Scene(ROPE), sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, ROPE.Qa
         )
-    t, lasts = h * np.arange(n), accuracy.wave_duration(ROPE, omega)
+    t = h * np.arange(n)
+    lasts = accuracy.wave_duration(ROPE, omega)
     off = turn * lasts / h * (1 - np.exp(-t / lasts)) * np.sin(omega * t)
-    # of each turn half is seen, and doubled: what goes with twice the wave's frequency is of one step's size
+    # of each turn half is seen, and doubled: what goes with twice the wave's frequency is of one
+    # step's size
     assert_allclose(accuracy.end_force_error(ROPE, sums), np.sqrt(np.mean(off**2)), rtol=0.01)
 
 
 def test_errors_that_go_with_no_wave_do_not_add_up() -> None:
-    leg, h = 300.0, 0.01
-    scene, sums, rng = Scene(ROPE), accuracy.ErrorSums(), np.random.default_rng(1)
+    leg = 300.0
+    h = 0.01
+    scene = Scene(ROPE)
+    sums = accuracy.ErrorSums()
+    rng = np.random.default_rng(1)
     for pace in 1e-9 / (CONSTANT * h * h) * rng.standard_normal(4000):
         sums = accuracy.add_errors(
             scene, sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, ROPE.Qa
@@ -68,18 +77,26 @@ def test_errors_that_go_with_no_wave_do_not_add_up() -> None:
 
 def swing(omega: float, damping: float, h: float, duration: float) -> NDArray[np.float64]:
     """Return q and the mean of q_tt in a step of a mode under an acceleration with kinks, for steps of length ``h``."""
-    method, w2 = Coefficients(0.6), omega * omega
-    m, f, beta, gamma = method.alpha_m, method.alpha_f, method.beta, method.gamma
-    d, rows = damping * w2, []
+    method = Coefficients(0.6)
+    w2 = omega * omega
+    m = method.alpha_m
+    f = method.alpha_f
+    beta = method.beta
+    gamma = method.gamma
+    d = damping * w2
+    rows = []
     q = v = a = b = 0.0
     for k in range(round(duration / h)):
-        q, v, before = q + h * v + h * h * (0.5 - beta) * b, v + h * (1 - gamma) * b, v
+        before = v
+        q = q + h * v + h * h * (0.5 - beta) * b
+        v = v + h * (1 - gamma) * b
         force = np.interp(
             (k + 1) * h, (0.0, 0.3, 0.8, 1.1, 2.0, 2.3, 2.8, 3.1), (0, 1, 1, 0, 0, -1, -1, 0)
         )
         answered = 1 + (1 - f) * (d * gamma * h + w2 * beta * h * h) / (1 - m)
         b = ((1 - f) * (force - d * v - w2 * q) + f * a - m * b) / (1 - m) / answered
-        q, v = q + beta * h * h * b, v + gamma * h * b
+        q += beta * h * h * b
+        v += gamma * h * b
         a = force - d * v - w2 * q
         rows.append((q, (v - before) / h))
     return np.array(rows)
@@ -91,13 +108,13 @@ def test_the_error_of_a_forced_wave_is_estimated_however_many_radians_a_step_tak
     leg: float, h: float
 ) -> None:
     """From .04 to 3.9 radians; were the wave not stiff the estimate would be 2.3 times too large."""
-    rope, duration = Rope(length=leg / 0.7), 4.0
+    rope = Rope(length=leg / 0.7)
+    duration = 4.0
     omega = float(accuracy.axial_frequency(rope, leg))
-    found, exact = (
-        swing(omega, rope.beta_K, h, duration),
-        swing(omega, rope.beta_K, h / 40, duration)[39::40],
-    )
-    scene, sums = Scene(rope), accuracy.ErrorSums()
+    found = swing(omega, rope.beta_K, h, duration)
+    exact = swing(omega, rope.beta_K, h / 40, duration)[39::40]
+    scene = Scene(rope)
+    sums = accuracy.ErrorSums()
     for _, pace in found:
         sums = accuracy.add_errors(
             scene, sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, rope.Qa
@@ -169,17 +186,11 @@ STOPPED = (
 
 def wind(scene: Scene, trip: Winding, **changes: Any) -> tuple[np.ndarray, list[float]]:
     """End forces and place of the loop every 20 ms, until 3 s behind the trip; the errors that the run estimates."""
-    reference, rope = s_curve(trip), balance_rope(scene.with_(**changes))
-    motion, steps = (
-        partial(ends_at, reference, trip.travel),
-        round((reference.duration + 3.0) / 0.02),
-    )
-    names = [
-        *(f"{side}.f{axis}" for side in ("left", "right") for axis in "xyz"),
-        "loop.x",
-        "loop.y",
-        "loop.z",
-    ]
+    reference = s_curve(trip)
+    rope = balance_rope(scene.with_(**changes))
+    motion = partial(ends_at, reference, trip.travel)
+    steps = round((reference.duration + 3.0) / 0.02)
+    names = (*of_both_ends("fx", "fy", "fz"), "loop.x", "loop.y", "loop.z")
     return recorded(rope, motion, steps, names, 0.02), [
         *rope.signals(("status.end_force_error", "status.loop_error")).values()
     ]
@@ -187,7 +198,8 @@ def wind(scene: Scene, trip: Winding, **changes: Any) -> tuple[np.ndarray, list[
 
 def errors(found: np.ndarray, exact: np.ndarray) -> tuple[float, float]:
     """Of the end force, RMS of the worse end over the largest; of the loop's place, m, the largest."""
-    off, force = found - exact, exact[:, :6].reshape(-1, 2, 3)
+    off = found - exact
+    force = exact[:, :6].reshape(-1, 2, 3)
     worse = np.sqrt(np.mean(np.square(off[:, :6]).reshape(-1, 2, 3).sum(axis=2), axis=0)).max()
     return worse / np.linalg.norm(force, axis=2).max(), float(
         np.linalg.norm(off[:, 6:], axis=1).max()
@@ -251,8 +263,8 @@ def whole_trip(case: Trip) -> NativeRope:
     """The native rope after the whole trip."""
     scene = rope_scene(find_case(case.scene).rope, case.level)
     if scene.solver.step_max < case.H:
-        # the host's steps are the rope's, however much they err; what Newton's method leaves of such steps, up to 52 N
-        # at its default tolerance, would be missing too
+        # the host's steps are the rope's, however much they err; what Newton's method leaves of
+        # such steps, up to 52 N at its default tolerance, would be missing too
         solver = replace(scene.solver, step_max=case.H, tolerance=NO_CONTROL, newton_tolerance=1e-7)
         scene = scene.with_(solver=solver)
     return wound(NativeRope(scene), case.ends, case.steps, case.H)
@@ -273,7 +285,8 @@ def test_the_audit_is_silent_in_windings_releases_emergency_stops_and_transforma
     case: Trip,
 ) -> None:
     rope = whole_trip(case)
-    state, audit = rope.state, rope.state.audit
+    state = rope.state
+    audit = rope.state.audit
     assert state.counts.transformations > 20
     assert state.counts.swivel_events > 20 or case.scene == "rope-120"
     assert not FOUND & rope.warnings().keys()
@@ -284,7 +297,8 @@ def test_the_audit_is_silent_in_windings_releases_emergency_stops_and_transforma
 
 def up_and_stopped(t: float) -> tuple[EndMotion, EndMotion]:
     """The left end rises with an acceleration that grows for 0.1 s, and then falls as fast."""
-    jerk, grown = 40.0, min(t, 0.1)
+    jerk = 40.0
+    grown = min(t, 0.1)
     late = t - grown
     a = jerk * (grown - late)
     v = 0.5 * jerk * grown**2 + jerk * (grown * late - 0.5 * late**2)
@@ -298,9 +312,11 @@ def up_and_stopped(t: float) -> tuple[EndMotion, EndMotion]:
 
 def test_the_mean_end_forces_of_each_step_are_the_momentum_that_the_rope_gets() -> None:
     """In unequal steps; a trapezoidal rule of the end forces misses 20 N of them in an emergency stop."""
-    rope, scene = hung(balance_rope(SHORT)), SHORT
+    rope = hung(balance_rope(SHORT))
+    scene = SHORT
     weight = scene.rope.mass_per_length * scene.rope.length * scene.layout.gravity
-    before, missing = 0.0, []
+    before = 0.0
+    missing = []
     for h in (0.02, 0.02, 0.005, 0.01, 0.02, 0.02, 0.04, 0.01, 0.02, 0.02):
         t = rope.time + h
         status = rope.advance_to(t, *up_and_stopped(t))
@@ -317,9 +333,11 @@ def test_the_mean_end_forces_of_each_step_are_the_momentum_that_the_rope_gets() 
 def test_the_mean_end_forces_of_a_rigid_rope_are_the_momentum_that_it_gets() -> None:
     # the rigid rope has a rule of its own
     scene = SHORT.with_(model=Model("rigid"))
-    rope, data = hung(balance_rope(scene)), scene.rope
+    rope = hung(balance_rope(scene))
+    data = scene.rope
     arc = 0.5 * math.pi * scene.layout.spacing
-    before, impulse = 0.0, 0.0
+    before = 0.0
+    impulse = 0.0
     for t in (0.02, 0.1, 0.11, 0.15):
         h = t - rope.time
         assert rope.advance_to(t, *up_and_stopped(t)).valid
@@ -347,12 +365,14 @@ def test_a_smooth_trip_may_take_long_steps_but_an_emergency_stop_in_them_is_told
 
 def test_a_blow_between_short_communication_steps_is_told() -> None:
     """Its impulse over the least time of a judgement is a force above the bound."""
-    short, impulse = 1e-3, 0.1  # s, and N s: 100 N for one of these steps
+    short = 1e-3  # s
+    impulse = 0.1  # N s: 100 N for one of these steps
     rope = wound(
         NativeRope(SHORT.with_(solver=Solver(tolerance=NO_CONTROL))), lambda _: AT_REST, 2, short
     )
     state = rope.state
-    v, node = state.motion.v.copy(), len(state.motion.v) // 2
+    v = state.motion.v.copy()
+    node = len(state.motion.v) // 2
     # what the rope got, and no end force, weight or body gave
     v[node, 1] += impulse / (SHORT.rope.mass_per_length * state.partition.lengths[node])
     rope.restore(state._replace(motion=replace(state.motion, v=v)))
@@ -379,7 +399,8 @@ def test_elements_too_long_for_the_bend_are_told_and_no_others(
 
 def test_what_a_coarse_mesh_does_to_the_loop_is_told_before_anything_moves() -> None:
     """60 equal elements on the 120 m rope: yawed by 1.2 degrees for 3.0, and 13 cm too high."""
-    scene, ends = Scene(), (EndMotion(y=30.0), EndMotion())
+    scene = Scene()
+    ends = (EndMotion(y=30.0), EndMotion())
     found = []
     for mesh in (Mesh("eem", elements=60), Mesh("auto", loop_error=5e-4)):
         rope = hung(NativeRope(scene.with_(mesh=mesh)), *ends)
@@ -388,7 +409,8 @@ def test_what_a_coarse_mesh_does_to_the_loop_is_told_before_anything_moves() -> 
             mesh.kind == "eem"
         )
     coarse, fine = found
-    off, turned = coarse["loop.y"] - fine["loop.y"], abs(coarse["loop.yaw"] - fine["loop.yaw"])
+    off = coarse["loop.y"] - fine["loop.y"]
+    turned = abs(coarse["loop.yaw"] - fine["loop.yaw"])
     assert 0.5 < coarse["status.loop_error"] / off < 2.0
     assert turned > 0.5 * abs(fine["loop.yaw"])
     assert 0.5 < turned_by_mesh(scene, 2.0) / turned < 2.0
@@ -396,11 +418,9 @@ def test_what_a_coarse_mesh_does_to_the_loop_is_told_before_anything_moves() -> 
 
 def test_short_communication_steps_over_transformations_leave_no_load_missing() -> None:
     """A transformation corrects the motion at an instant: over 10 ns that would be thousands of newtons."""
-    chance, rope, t = (
-        np.random.default_rng(1),
-        hung(balance_rope(P120.scene, "native"), right=EndMotion(y=90.0)),
-        0.0,
-    )
+    chance = np.random.default_rng(1)
+    rope = hung(balance_rope(P120.scene, "native"), right=EndMotion(y=90.0))
+    t = 0.0
     while t < 9.0:
         t += float(10.0 ** chance.uniform(-8.0, math.log10(0.02)))
         status = rope.advance_to(t, *ends_at(TRIP, 90.0, t))

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -33,23 +34,31 @@ A = [LAW.factor, *LAW.velocity, *LAW[2:], *8 * [0.0]]
 
 def moved(fidelity: ElementFidelity, seed: int) -> tuple[np.ndarray[Any, Any], ...]:
     """q and v of an element that is bent, stretched and moves."""
-    chance, kept = np.random.default_rng(seed), list(ELEMENT_DOF[fidelity])
-    q, v = np.zeros((2, NODE_DOF)), chance.normal(size=(2, NODE_DOF))
+    chance = np.random.default_rng(seed)
+    kept = list(ELEMENT_DOF[fidelity])
+    q = np.zeros((2, NODE_DOF))
+    v = chance.normal(size=(2, NODE_DOF))
     q[:, 3:6] = np.array([0.6, -0.8, 0.0]) + 0.1 * chance.normal(size=(2, 3))
     q[1, :3] = [1.2, -1.6, 0.1]
     return q[:, kept].ravel(), v[:, kept].ravel()
 
 
 def test_a_straight_element_has_the_drag_of_a_cylinder() -> None:
-    l, t, w = 2.0, np.array([0.6, -0.8, 0.0]), np.array([1.5, 0.5, 2.0])
-    q, v = np.zeros((2, NODE_DOF)), np.zeros((2, NODE_DOF))
-    q[:, 3:6], q[1, :3], v[:, :3] = t, l * t, w
+    l = 2.0
+    t = np.array([0.6, -0.8, 0.0])
+    w = np.array([1.5, 0.5, 2.0])
+    q = np.zeros((2, NODE_DOF))
+    v = np.zeros((2, NODE_DOF))
+    q[:, 3:6] = t
+    q[1, :3] = l * t
+    v[:, :3] = w
     against = w - np.array(LAW.velocity)
     across = against - (against @ t) * t
     force = -LAW.factor * np.linalg.norm(across) * across * l
-    sums, moment = air_sums(q, v, l, A), np.cross(0.5 * l * t, force)
+    sums = air_sums(q, v, l, A)
+    moment = np.cross(0.5 * l * t, force)
     assert_allclose(
-        [sums[f"air_{kind}{axis}"] for kind in "fm" for axis in "xyz"],
+        [sums[f"air_{kind}{axis}"] for kind, axis in product("fm", "xyz")],
         [*force, *moment],
         rtol=1e-12,
     )
@@ -61,8 +70,10 @@ def test_a_straight_element_has_the_drag_of_a_cylinder() -> None:
     assert_allclose(-R[:, :3].sum(axis=0), force, rtol=1e-12)
 
 
-#: m, m/s: a conveyance so high that what its bow does is over before its tail comes, which rises fast
-SPACING, HEIGHT, SPEED = 0.4, 80.0, 10.0
+SPACING = 0.4  #: m
+#: m, of a conveyance so high that what its bow does is over before its tail comes
+HEIGHT = 80.0
+SPEED = 10.0  #: m/s, at which it rises
 PUSH = air_coefficients(
     Air(density=1.2, drag=1.1, buffet=0.3, buffet_length=HEIGHT), 0.044, SPACING
 )
@@ -75,8 +86,11 @@ def air_sums(q: np.ndarray, v: np.ndarray, l: float, numbers: list[float]) -> di
 
 def pulse(x: float, y: float, l: float = 0.1) -> dict[str, float]:
     """What an upright element at (x, y) gets of a conveyance whose bow is at the origin; the other one stands."""
-    q, v = np.zeros((2, NODE_DOF)), np.zeros(2 * NODE_DOF)
-    q[:, 0], q[:, 1], q[:, 4] = x, (y, y - l), -1.0
+    q = np.zeros((2, NODE_DOF))
+    v = np.zeros(2 * NODE_DOF)
+    q[:, 0] = x
+    q[:, 1] = (y, y - l)
+    q[:, 4] = -1.0
     return air_sums(
         q,
         v,
@@ -108,16 +122,19 @@ GALLERY = air_coefficients(
 
 def upright(law: AirCoefficients, top: float, l: float) -> dict[str, float]:
     """What 60 m of straight rope below ``top``, of equal elements, get of the air."""
-    q, v = np.zeros((2, NODE_DOF)), np.zeros(2 * NODE_DOF)
+    q = np.zeros((2, NODE_DOF))
+    v = np.zeros(2 * NODE_DOF)
     q[:, 4] = -1.0
-    sums, numbers = np.zeros(len(AIR_BALANCE)), [law.factor, *law.velocity, *law[2:], *8 * [0.0]]
+    sums = np.zeros(len(AIR_BALANCE))
+    numbers = [law.factor, *law.velocity, *law[2:], *8 * [0.0]]
     for y in top - np.arange(0.0, 60.0, l):
         q[:, 1] = y, y - l
         sums += np.array(air_functions("torsional").sums(q.ravel(), v, l, numbers)).ravel()
     return dict(zip(AIR_BALANCE, sums.tolist(), strict=True))
 
 
-# on long elements four places are looked at over edges of e = l + EDGE: the worst of all places of the leg
+# on long elements four places are looked at over edges of e = l + EDGE: the worst of all places of
+# the leg
 @pytest.mark.parametrize(("l", "missed"), [(1.0, 1e-3), (2.5, 3e-3), (7.5, 0.01), (15.0, 0.03)])
 def test_a_leg_through_a_gallerys_flow_takes_its_drag_over_that_height(
     l: float, missed: float
@@ -134,7 +151,8 @@ def test_a_leg_through_a_gallerys_flow_takes_its_drag_over_that_height(
 
 @pytest.mark.parametrize("fidelity", ELEMENT_DOF)
 def test_the_tangent_is_the_derivative_to_the_speed(fidelity: ElementFidelity) -> None:
-    air, (q, v) = air_functions(fidelity), moved(fidelity, 1)
+    air = air_functions(fidelity)
+    q, v = moved(fidelity, 1)
     passing = [*A[:4], 0.8, 3.0, 2.0, -0.5, 1.5, *(-1.0, -2.0, 0.5, 4.0), *(1.5, 0.5, -0.2, -5.0)]
     J = np.array(air.tangent(q, v, 2.0, passing, 1.0))
     assert np.abs(J - np.array(air.tangent(q, v, 2.0, A, 1.0))).max() > 0.01
@@ -161,8 +179,9 @@ def gust() -> BalanceRope:
 
 def test_a_host_blows_gusts_between_steps() -> None:
     native = gust()
-    # pushed all along for t, a free rope is aside by f t^2 / (2 rho): the middle feels nothing of its ends yet.  A load
-    # that jumps between steps comes in over the step behind it, half a step late
+    # pushed all along for t, a free rope is aside by f t^2 / (2 rho): the middle feels nothing of
+    # its ends yet.  A load that jumps between steps comes in over the step behind it, half a step
+    # late
     t = 20 * STEP - 0.5 * STEP
     pushed = 0.5 * 1.2 * 1.2 * Rope().diameter * 20.0**2 * t**2 / (2 * Rope().mass_per_length)
     assert native.signals()["loop.z"] == pytest.approx(pushed, rel=0.05)
@@ -186,13 +205,18 @@ def test_what_a_rope_loses_to_the_air_is_in_the_energy_balance(
 
 def test_a_leg_hangs_aside_below_a_gallery() -> None:
     """Above it each leg pulls what blew on it, F, with its tension, which is the weight below: rho g y z' = F."""
-    rope, speed, h = Rope(length=60.0), 10.0, 5.0
+    rope = Rope(length=60.0)
+    speed = 10.0
+    h = 5.0
     air = Air(density=1.2, drag=1.2, vz=speed, cross_height=h, cross_y=-8.0)
     of = Scene(rope=rope, mesh=Mesh("eem", elements=120), shaft=Shaft(air=air))
     found = hung(balance_rope(of, "native")).signals()
     f = 0.5 * 1.2 * 1.2 * rope.diameter * speed**2
-    # heights above those where the legs' tension, the weight of half the rope at its end, would be 0
-    top, roof, floor = 30.0, 30.0 - 5.5, 30.0 - 10.5
+    # heights above those where the legs' tension, the weight of half the rope at its end, would be
+    # 0
+    top = 30.0
+    roof = 30.0 - 5.5
+    floor = 30.0 - 10.5
     aside = (
         f
         * (h * np.log(top / roof) + h - floor * np.log(roof / floor))
@@ -227,19 +251,18 @@ def push(rope: BalanceRope, steps: int, start: int = 0) -> BalanceRope:
 
 
 def test_a_rope_at_rest_under_a_force_pulls_with_it_at_its_ends() -> None:
-    rope, force = short_rope(), np.array([[2.0, -30.0, 4.0]])
+    rope = short_rope()
+    force = np.array([[2.0, -30.0, 4.0]])
     before = rope.signals(["left.fx", "right.fx", "left.fy", "right.fy", "left.fz", "right.fz"])
-    ramp, held = PointForces(np.array([2.0]), 0 * force, force, 0.0, 2.0), None
+    ramp = PointForces(np.array([2.0]), 0 * force, force, 0.0, 2.0)
     rope.apply(ramp)
+    held: dict[str, float] = {}
     for k in range(1500):
         assert rope.advance_to((k + 1) * STEP, EndMotion(), EndMotion()).valid
-        mean = rope.signals([*before]) if k > 500 else None
-        held = (
-            mean
-            if held is None or mean is None
-            else {n: x + 0.01 * (mean[n] - x) for n, x in held.items()}
-        )
-    assert held is not None
+        if k > 500:
+            for name, value in rope.signals([*before]).items():
+                mean = held.get(name, value)
+                held[name] = mean + 0.01 * (value - mean)
     gained = {name: held[name] - before[name] for name in before}
     # swings about the new rest, with hardly any damping, are averaged
     for axis, of in zip("xyz", force[0], strict=True):
@@ -248,7 +271,8 @@ def test_a_rope_at_rest_under_a_force_pulls_with_it_at_its_ends() -> None:
 
 def test_their_work_and_their_impulse_are_in_the_balances() -> None:
     rope = push(short_rope(), 100)
-    energy, audit = rope.state.energy_balance, rope.state.audit
+    energy = rope.state.energy_balance
+    audit = rope.state.audit
     assert energy.work_ends > 0.5
     # what the integrator dissipates at 10 ms
     assert abs(energy.residual) < 1e-3 * energy.work_ends
@@ -258,7 +282,9 @@ def test_their_work_and_their_impulse_are_in_the_balances() -> None:
 
 def test_the_displacement_is_what_the_next_step_moves_its_places_by() -> None:
     rope = push(short_rope(), 20)
-    t, size, saved = 20 * STEP, 1e-3, rope.snapshot()
+    t = 20 * STEP
+    size = 1e-3
+    saved = rope.snapshot()
     given = pushing(t, STEP)
     ends = []
     for part in (0.0, 1.0):
@@ -278,7 +304,8 @@ def test_the_displacement_is_what_the_next_step_moves_its_places_by() -> None:
 
 
 def test_no_forces_change_no_bit_and_given_again_after_restoring_they_go_on_bit_by_bit() -> None:
-    rope, alone = short_rope(), short_rope()
+    rope = short_rope()
+    alone = short_rope()
     nothing = pushing(0.0, STEP)
     rope.apply(PointForces(nothing.s[:0], nothing.at_start[:0], nothing.at_stop[:0], 0.0, STEP))
     for one in (rope, alone):

@@ -24,7 +24,9 @@ from rope_model.physics.node import arc_lengths
 from rope_model.rules.fidelity import Fidelity
 from rope_model.rules.signal_table import SHAPE_POINTS
 
-HIGH, TRAVEL, H = 12.0, 8.0, 0.01
+HIGH = 12.0
+TRAVEL = 8.0
+H = 0.01
 #: 30 m rope; its mesh is transformed on the way
 SHORT = Scene(
     rope=Rope(length=30.0),
@@ -38,7 +40,8 @@ BOTTOM = SHAPE_POINTS // 2
 
 def move(scene: Scene, steps: int, fidelity: Fidelity | None = None) -> BalanceRope:
     """A smooth trip of 8 m in 5 s, after so many steps of 10 ms."""
-    scene = scene if fidelity is None else scene.with_(model=Model(fidelity=fidelity))
+    if fidelity is not None:
+        scene = scene.with_(model=Model(fidelity=fidelity))
     return wound(balance_rope(scene), lambda t: smooth_trip(t, TRAVEL, 5.0, HIGH), steps)
 
 
@@ -67,17 +70,20 @@ def places(rope: BalanceRope) -> np.ndarray:
 
 
 def test_free_loop_has_the_bending_stress_and_the_tension_of_its_elastica() -> None:
-    rope, g = UNCOUPLED.rope, 9.81
+    rope = UNCOUPLED.rope
+    g = 9.81
     width = (rope.EI / (rope.mass_per_length * g)) ** (1 / 3)
     scene = UNCOUPLED.with_(
         layout=Layout(spacing=natural_width(UNCOUPLED)), mesh=Mesh(kind="eem", elements=300)
     )
     still = move(scene, 0)
-    # kappa = 1.09661 / width: the root mean square over elements of 0.03 widths errs by 1e-3 at most
+    # kappa = 1.09661 / width: the root mean square over elements of 0.03 widths errs by 1e-3 at
+    # most
     assert_allclose(
         along(still, "bending")[BOTTOM], 32 * rope.EI * 1.09661 / width / SECTION, rtol=2e-3
     )
-    # no side force at this width: no tension at the lowest point, of 900 N in the legs; 0.5 % of the width make 0.39 N
+    # no side force at this width: no tension at the lowest point, of 900 N in the legs; 0.5 % of
+    # the width make 0.39 N
     assert abs(along(still, "tension")[BOTTOM]) < 0.3
 
 
@@ -90,10 +96,12 @@ def test_tension_at_the_lowest_point_is_the_side_force_at_rest(width: float) -> 
 
 def test_tension_of_a_leg_at_rest_is_that_of_a_hanging_chain() -> None:
     still = move(UNCOUPLED, 0)
-    s, ends = places(still), still.signals()
+    s = places(still)
+    ends = still.signals()
     leg = (s > 0) & (s < bottom_of(still) - 4.0)
     expected = np.hypot(-ends["left.fy"] - 9.81 * SHORT.rope.mass_per_length * s, ends["left.fx"])
-    # a leg follows its force but for bending, which dies away within sqrt(EI/T) = 0.7 m of the clamp
+    # a leg follows its force but for bending, which dies away within sqrt(EI/T) = 0.7 m of the
+    # clamp
     far = leg & (s > 3.0)
     assert_allclose(along(still, "tension")[far], expected[far], rtol=2e-3)
     assert np.count_nonzero(far) >= 5
@@ -116,7 +124,8 @@ def test_torsion_is_that_of_the_torque_all_along(steps: int, off: float) -> None
     rope = move(SHORT, steps)
     torque = rope.signals()["right.swivel.torque"]
     assert abs(torque) > 0.4
-    # the torque is what the elements' strains and their rates say; the swivel's is the reaction to theta
+    # the torque is what the elements' strains and their rates say; the swivel's is the reaction to
+    # theta
     assert_allclose(along(rope, "torsion"), 16 * abs(torque) / SECTION, rtol=off)
     assert_allclose(along(rope, "torque", "station"), torque, rtol=off)
 
@@ -125,7 +134,8 @@ def test_torsion_is_that_of_the_torque_all_along(steps: int, off: float) -> None
 def test_stress_along_the_rope_reaches_its_largest_value_and_is_never_above(kind: str) -> None:
     for steps in (0, 130, 260):
         rope = move(SHORT, steps)
-        values, largest = along(rope, kind), rope.signals()[f"stress.{kind}_max"]
+        values = along(rope, kind)
+        largest = rope.signals()[f"stress.{kind}_max"]
         assert values.max() <= largest * (1 + 1e-12)
         # between points: the loop's are 0.2 m apart, a tenth of its bend
         assert values.max() > 0.98 * largest
@@ -152,21 +162,24 @@ def test_points_show_a_round_loop_however_deep_it_hangs(length: float) -> None:
         rope=replace(UNCOUPLED.rope, length=length), mesh=Mesh(), model=Model("planar")
     )
     rope = hung(balance_rope(scene))
-    q, lengths = rope.state.motion.q, rope.state.partition.lengths
+    q = rope.state.motion.q
+    lengths = rope.state.partition.lengths
     pieces = np.diff(shape(q, lengths, bottom_of(rope), loop_width(scene), SHAPE_POINTS).T[:2])
     corners = np.diff(np.unwrap(np.arctan2(pieces[1], pieces[0])))
-    # a circle as wide as the loop turns by 5.7 degrees over a 40th of two widths; where a free loop bends most, and
-    # where the pieces have begun to grow, it is up to three times as much
+    # a circle as wide as the loop turns by 5.7 degrees over a 40th of two widths; where a free loop
+    # bends most, and where the pieces have begun to grow, it is up to three times as much
     assert np.max(np.abs(corners)) < math.radians(17.0)
     assert_allclose(np.sum(corners), math.pi, atol=0.1)
 
 
 def test_stations_stay_in_the_rope_while_the_points_of_its_shape_move() -> None:
-    before, after = move(SHORT, 0), move(SHORT, 400)
+    before = move(SHORT, 0)
+    after = move(SHORT, 400)
     s = along(after, "s")
     assert_allclose(s, places(after), rtol=1e-12)
     assert abs(s[BOTTOM] - places(before)[BOTTOM]) > 3.0
-    # tension is smooth along the rope: stations .4 m apart show that of the points within its change on half of that
+    # tension is smooth along the rope: stations .4 m apart show that of the points within its
+    # change on half of that
     at_stations = np.interp(
         s, np.linspace(0.0, SHORT.rope.length, SHAPE_POINTS), along(after, "tension", "station")
     )
@@ -177,7 +190,8 @@ def test_stations_stay_in_the_rope_while_the_points_of_its_shape_move() -> None:
 
 def test_a_station_midway_between_nodes_is_on_their_cubic() -> None:
     after = move(SHORT, 400)
-    s, (a, b) = arc_lengths(after.state.partition.lengths)[20:22], after.state.motion.q[20:22]
+    s = arc_lengths(after.state.partition.lengths)[20:22]
+    a, b = after.state.motion.q[20:22]
     where = s.mean() / SHORT.rope.length
     found = [along(with_stations(after, Stations(where, where)), axis, "station") for axis in "xyz"]
     middle = 0.5 * (a[:3] + b[:3]) + np.diff(s) / 8 * (a[3:6] - b[3:6])

@@ -48,11 +48,9 @@ LEVEL = EndMotion(lean=0.5 * math.pi), EndMotion(lean=-0.5 * math.pi)
 
 
 def scene(attachment: Any = "clamped", elements: int = 40, **rope: float) -> Scene:
-    held, mesh, solver = (
-        Swivel(attachment=attachment),
-        Mesh("eem", elements=elements),
-        Solver(step_max=0.005),
-    )
+    held = Swivel(attachment=attachment)
+    mesh = Mesh("eem", elements=elements)
+    solver = Solver(step_max=0.005)
     return Scene(replace(CABLE, **rope), Layout(spacing=SPAN), held, held, mesh, solver=solver)
 
 
@@ -62,7 +60,8 @@ def elastica(lean: float | None) -> tuple[float, float, float]:
     Half of it by shooting for the whole boundary value problem: EI phi'' = H sin(phi) - V cos(phi), with phi the angle
     from the horizontal, V = -w (L/2 - s) the vertical force and phi = 0 in the middle.
     """
-    w, half = CABLE.mass_per_length * 9.81, 0.5 * CABLE.length
+    w = CABLE.mass_per_length * 9.81
+    half = 0.5 * CABLE.length
 
     def slopes(s: Array, y: Array, p: Array) -> Array:
         phi, bend, _, _ = y
@@ -76,7 +75,9 @@ def elastica(lean: float | None) -> tuple[float, float, float]:
         )
 
     def ends(a: Array, b: Array, p: Array) -> Array:
-        held = a[1] if lean is None else a[0] - (lean - 0.5 * math.pi)
+        held = a[1]
+        if lean is not None:
+            held = a[0] - (lean - 0.5 * math.pi)
         return np.array([held, a[2], a[3], b[0], b[2] - 0.5 * SPAN])
 
     s = np.linspace(0.0, half, 400)
@@ -90,18 +91,16 @@ def elastica(lean: float | None) -> tuple[float, float, float]:
 
 @pytest.mark.parametrize("lean", [0.5 * math.pi, 0.2, None])
 def test_an_end_held_at_any_angle_or_hinged_hangs_as_the_elastica(lean: float | None) -> None:
-    rope = balance_rope(scene("hinged" if lean is None else "clamped", 80), "native")
-    hung(
-        rope,
-        *(
-            (EndMotion(), EndMotion())
-            if lean is None
-            else (EndMotion(lean=lean), EndMotion(lean=-lean))
-        ),
-    )
+    attachment = "hinged"
+    ends = (EndMotion(), EndMotion())
+    if lean is not None:
+        attachment = "clamped"
+        ends = (EndMotion(lean=lean), EndMotion(lean=-lean))
+    rope = hung(balance_rope(scene(attachment, 80), "native"), *ends)
     pull, moment, depth = elastica(lean)
     found = rope.signals(["right.fx", "right.fy", "left.mz", "loop.y"])
-    # 20 elements are off by 1.1 mm, so 80 by 256 times less; the clamps give way by less, as the rope does
+    # 20 elements are off by 1.1 mm, so 80 by 256 times less; the clamps give way by less, as the
+    # rope does
     assert_allclose(-found["right.fx"], pull, rtol=2e-4)
     assert_allclose(
         found["right.fy"], -0.5 * CABLE.mass_per_length * 9.81 * CABLE.length, rtol=1e-6
@@ -111,7 +110,8 @@ def test_an_end_held_at_any_angle_or_hinged_hangs_as_the_elastica(lean: float | 
 
 
 def test_a_plane_across_is_as_good_as_that_of_the_loop() -> None:
-    rope, side = hung(balance_rope(scene(), "native"), *LEVEL), 0.5 * SPAN
+    rope = hung(balance_rope(scene(), "native"), *LEVEL)
+    side = 0.5 * SPAN
     ends = (
         EndMotion(x=s * side, z=-s * side, yaw=-0.5 * math.pi, lean_z=s * 0.5 * math.pi)
         for s in (1.0, -1.0)
@@ -133,31 +133,35 @@ def test_a_straight_rope_without_weight_swings_as_a_beam(
     attachment: str, roots: tuple[float, float]
 ) -> None:
     rope = NativeRope(scene(attachment).with_(layout=Layout(spacing=CABLE.length, gravity=1e-9)))
-    leans = (0.5 * math.pi, -0.5 * math.pi) if attachment == "clamped" else (0.0, 0.0)
-    hung(rope, *(EndMotion(lean=lean) for lean in leans))
+    if attachment == "clamped":
+        hung(rope, *LEVEL)
+    else:
+        hung(rope)
     modes = natural_modes(rope, 6).frequencies
     exact = (
         np.square(np.divide(roots, CABLE.length))
         * math.sqrt(CABLE.EI / CABLE.mass_per_length)
         / (2 * math.pi)
     )
-    # each in both planes; cubic elements are off by (k l)^4 / 720, the clamps by 1e-4 of an element's length
+    # each in both planes; cubic elements are off by (k l)^4 / 720, the clamps by 1e-4 of an
+    # element's length
     assert_allclose(modes[:4], np.repeat(exact, 2), rtol=2e-5)
 
 
 def test_a_clamp_that_turns_about_plumb_carries_the_rope_along_without_strain() -> None:
     """The axis of a clamp goes round a cone: without spin it would turn the section by the cone's solid angle."""
-    lean, torque = 1.0, {"Qb": 0.05, "Qc": 0.05, "installed_twist": 2.0}
+    lean = 1.0
+    torque = {"Qb": 0.05, "Qc": 0.05, "installed_twist": 2.0}
     rope = balance_rope(scene(**torque), "native")
 
     def ends(t: float) -> Ends:
         s = min(t / 4.0, 1.0)
-        angle, rate = (
-            math.pi * (10 * s**3 - 15 * s**4 + 6 * s**5),
-            math.pi * 30 * (s * (1 - s)) ** 2 / 4.0,
-        )
+        angle = math.pi * (10 * s**3 - 15 * s**4 + 6 * s**5)
+        rate = math.pi * 30 * (s * (1 - s)) ** 2 / 4.0
         bend = math.pi * 60 * s * (1 - s) * (1 - 2 * s) / 16.0
-        c, z, r = math.cos(angle), -math.sin(angle), 0.5 * SPAN
+        c = math.cos(angle)
+        z = -math.sin(angle)
+        r = 0.5 * SPAN
         motions = (
             EndMotion(
                 x=r * k * (c - 1),
@@ -178,7 +182,8 @@ def test_a_clamp_that_turns_about_plumb_carries_the_rope_along_without_strain() 
 
     names = ["left.swivel.torque", "left.fx", "left.fy", "left.my"]
     before, after = (wound(rope, ends, steps).signals(names) for steps in (0, 1000))
-    # by 180 degrees: X turns round; it has swung out in 6 s, by damping of 20 ms at some 10 rad/s, to 1e-3
+    # by 180 degrees: X turns round; it has swung out in 6 s, by damping of 20 ms at some 10 rad/s,
+    # to 1e-3
     assert_allclose(after["left.fx"], -before["left.fx"], rtol=5e-3)
     for name in names[:1] + names[2:]:
         assert_allclose(after[name], before[name], rtol=5e-3)
@@ -197,14 +202,16 @@ def test_clamps_that_lean_in_space_keep_the_balances() -> None:
     audited = native.signals(
         ["audit.momentum", "audit.moment", "energy.residual", "energy.kinetic"]
     )
-    # clamps are among the loads: momentum and moment close to the step's error, energy to numerical dissipation
+    # clamps are among the loads: momentum and moment close to the step's error, energy to numerical
+    # dissipation
     assert audited["audit.momentum"] < 0.01
     assert audited["audit.moment"] < 0.01
     assert abs(audited["energy.residual"]) < 0.02 * audited["energy.kinetic"]
 
 
 def test_free_swivels_of_clamps_that_lean_in_space_begin_at_rest() -> None:
-    free, mesh = Swivel("free", attachment="clamped"), Mesh("eem", elements=16)
+    free = Swivel("free", attachment="clamped")
+    mesh = Mesh("eem", elements=16)
     ends = EndMotion(lean=0.3, lean_z=0.2), EndMotion(y=20.0, lean=-0.3, lean_z=0.2)
     rope = hung(balance_rope(Scene(Rope(length=60.0), left=free, right=free, mesh=mesh)), *ends)
     assert_allclose(
@@ -216,11 +223,9 @@ def test_free_swivels_of_clamps_that_lean_in_space_begin_at_rest() -> None:
 def test_the_strain_of_an_end_does_not_feel_that_it_turns(
     parts: SimpleNamespace, attachment: Any
 ) -> None:
-    q, turn, node = (
-        np.random.default_rng(3).random((4, 7)),
-        np.zeros((4, 7)),
-        1 if attachment == "clamped" else 0,
-    )
+    q = np.random.default_rng(3).random((4, 7))
+    turn = np.zeros((4, 7))
+    node = int(attachment == "clamped")
     turn[:, 3:6] = np.cross([0.3, -0.2, 0.5], q[:, 3:6])
     strain = parts.end_strain(scene_structure(scene(attachment)), 4, q, turn + 2e-3 * q, 0)
     assert strain == pytest.approx(2e-3 * float(np.linalg.norm(q[node, 3:6])), rel=1e-12)
@@ -259,7 +264,8 @@ RUBS = Swivel(
 
 def test_the_friction_of_a_swivel_grows_with_the_tension_along_a_rope_that_leans() -> None:
     """A rope of 30 m between hinges 29 m apart pulls mostly sideways."""
-    held, rope = replace(RUBS, mode="locked"), Rope(length=30.0)
+    held = replace(RUBS, mode="locked")
+    rope = Rope(length=30.0)
     taut = Scene(
         rope, Layout(spacing=29.0), RUBS, held, Mesh("eem", elements=60), model=Model("torsional")
     )
@@ -298,7 +304,8 @@ def test_a_rope_between_ends_apart_across_is_free_of_twist_where_both_conveyance
     """Without the yaw it is twisted by twice the direction of its ends; the installed twist can take that out."""
     direction = -math.atan2(0.1, SPAN)
     plumb = scene("plumb")
-    across, yawed = EndMotion(z=0.1), EndMotion(yaw=direction)
+    across = EndMotion(z=0.1)
+    yawed = EndMotion(yaw=direction)
 
     def torque(of: Scene, left: EndMotion, right: EndMotion) -> float:
         return float(hung(balance_rope(of, "native"), left, right).signals()["left.swivel.torque"])

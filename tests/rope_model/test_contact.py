@@ -64,7 +64,7 @@ def touched(seed: int) -> tuple[Body, tuple[float, ...]]:
     """A body and a point at which the rope is pressed."""
     chance = random.Random(seed)
     while True:
-        body = some_body(chance, 1.0 if seed % 2 else -1.0)
+        body = some_body(chance, (-1.0, 1.0)[seed % 2])
         point = tuple(c + chance.uniform(-1.5, 1.5) for c in body.centre)
         if 0 < 0.5 * DIAMETER - distance(point, body) < DIAMETER:
             return body, point
@@ -80,7 +80,8 @@ def law(
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_the_normal_is_the_gradient_of_the_distance(side: float) -> None:
-    chance, x = random.Random(1), ca.SX.sym("x", 3)
+    chance = random.Random(1)
+    x = ca.SX.sym("x", 3)
     for _ in range(50):
         body = some_body(chance, side)
         gradient = ca.Function("gradient", [x], [ca.gradient(distance(x, body), x)])
@@ -98,10 +99,12 @@ def test_no_place_of_an_element_moves_by_more_than_half_of_what_its_nodes_say(
     turned: float,
 ) -> None:
     """Nodes that move and turn so that all adds up: the other half is for what it may come to."""
-    chance, l = np.random.default_rng(1), 0.7
+    chance = np.random.default_rng(1)
+    l = 0.7
     for moved in chance.uniform(size=(100, 4)) * [1.0, turned, 1.0, turned]:
         rows = np.zeros((2, 6))
-        rows[:, 1], rows[:, 4] = moved[[0, 2]], moved[[1, 3]] * [1.0, -1.0]
+        rows[:, 1] = moved[[0, 2]]
+        rows[:, 4] = moved[[1, 3]] * [1.0, -1.0]
         most = max(largest_motion(l, row, np.zeros(6)) for row in rows)
         for xi in np.linspace(0.0, 1.0, 21):
             assert (
@@ -110,7 +113,9 @@ def test_no_place_of_an_element_moves_by_more_than_half_of_what_its_nodes_say(
 
 
 def test_no_correction_moves_a_node_by_more_than_newtons_norm_says() -> None:
-    chance, longest, shortest = np.random.default_rng(1), 3.0, 0.2
+    chance = np.random.default_rng(1)
+    longest = 3.0
+    shortest = 0.2
     for row in chance.uniform(-1.0, 1.0, size=(100, 6)) / ([1.0] * 3 + [shortest] * 3):
         norm = np.abs(row * ([1.0] * 3 + [shortest] * 3)).max()
         assert largest_motion(longest, row, np.zeros(6)) <= correction_motion(
@@ -158,13 +163,17 @@ def test_losses_are_never_negative_and_the_body_never_draws(seed: int) -> None:
 
 def element_case(fidelity: ElementFidelity, contact: Contact) -> tuple[list[Any], list[Any]]:
     """Inputs of the plain element, and of that with a floor and a divider, which lies on and in them."""
-    rng, dof = np.random.default_rng(3), ELEMENT_DOF[fidelity]
+    rng = np.random.default_rng(3)
+    dof = ELEMENT_DOF[fidelity]
     q = np.array([0, 0, 0, 1, 0.1, 0, 0.1, 1, 0.05, 0, 1, -0.1, 0, 0.3]) + 0.005 * rng.normal(
         size=14
     )
     kept = [*dof, *(7 + i for i in dof)]
-    q, v, a = q[kept], rng.normal(size=len(kept)), rng.normal(size=len(kept))
-    element, l = element_functions(fidelity), 1.01
+    q = q[kept]
+    v = rng.normal(size=len(kept))
+    a = rng.normal(size=len(kept))
+    element = element_functions(fidelity)
+    l = 1.01
     F = np.array(element.reference(q, l)).ravel()
     P = np.array(parameters(Rope(), 9.81))
     floor = Body((0.0, -10.0, 0.0), (1e3, 10.02, 1e3), 0.0, 1.0, 0.0, 1.0)
@@ -186,10 +195,9 @@ def touching(fidelity: ElementFidelity) -> Any:
 def test_the_elements_contact_residual_is_its_energys_gradient_and_its_derivative_the_tangent(
     fidelity,
 ) -> None:
-    (element, without), lossless = (
-        (touching(fidelity), element_functions(fidelity)),
-        Contact(friction=0.0, damping=0.0),
-    )
+    element = touching(fidelity)
+    without = element_functions(fidelity)
+    lossless = Contact(friction=0.0, damping=0.0)
     plain, near = element_case(fidelity, lossless)
 
     def energy(q: Any) -> list[float]:
@@ -209,13 +217,15 @@ def test_the_elements_contact_residual_is_its_energys_gradient_and_its_derivativ
     assert_allclose(tangent, difference(residual, near[0], 1e-6), atol=1e-5 * np.abs(tangent).max())
 
 
-#: m: elements, and the size and depth of a bar that is pressed in
-LONG_ELEMENT, THIN, PRESSED = 2.0, 0.01, 3e-3
+LONG_ELEMENT = 2.0  #: m
+THIN = 0.01  #: m, size of a bar
+PRESSED = 3e-3  #: m by which it is pressed in
 
 
 def pressure_of_bar(place: float, size: float = THIN, pressed: float = PRESSED) -> float:
     """Force (N) of a round bar under two level elements in line, its axis at ``place`` (m) from their joint."""
-    contact, total = Contact(), 0.0
+    contact = Contact()
+    total = 0.0
     for start in (-LONG_ELEMENT, 0.0):
         q = np.array([start, 0, 0, 1, 0, 0, 0, start + LONG_ELEMENT, 0, 0, 1, 0, 0, 0])
         bar = Body(
@@ -228,10 +238,8 @@ def pressure_of_bar(place: float, size: float = THIN, pressed: float = PRESSED) 
         )
         law = [contact.stiffness, contact.damping, contact.friction, contact.slip_speed, DIAMETER]
         P = [*parameters(Rope(), 9.81), *law, *bar.centre, *bar.half, *bar[2:], 0.0, 0.0, 0.0]
-        element, rest = (
-            contact_element("torsional", element_functions(), (KINDS.index("divider"),)),
-            np.zeros(14),
-        )
+        element = contact_element("torsional", element_functions(), (KINDS.index("divider"),))
+        rest = np.zeros(14)
         F = np.array(element_functions().reference(q, LONG_ELEMENT)).ravel()
         sums = np.array(element.balance(q, rest, LONG_ELEMENT, [*F, 1.0], P)).ravel()
         total += float(sums[len(BALANCE) + CONTACT_BALANCE.index("divider")])
@@ -240,7 +248,8 @@ def pressure_of_bar(place: float, size: float = THIN, pressed: float = PRESSED) 
 
 def exact_pressure(size: float, pressed: float) -> float:
     """The integral along a straight line."""
-    radius, onset = 0.5 * (size + DIAMETER), ONSET * DIAMETER
+    radius = 0.5 * (size + DIAMETER)
+    onset = ONSET * DIAMETER
     half = math.sqrt(radius**2 - (radius - pressed) ** 2)
     x = np.linspace(-half, half, 200001)
     depth = radius - np.hypot(x, radius - pressed)
@@ -271,7 +280,9 @@ def test_no_more_places_are_skipped_than_there_are(distance, diameter, weight, n
 
 def test_what_a_mesh_does_not_resolve_falls_with_the_square_of_its_delay() -> None:
     def error(tau: float) -> float:
-        sums, h, longest = ContactSums(), 1e-3, length_for(Scene(), tau)
+        sums = ContactSums()
+        h = 1e-3
+        longest = length_for(Scene(), tau)
         for k in range(1000):
             pressures = (0.0, 0.0, 0.0, 50.0 * (1.0 - math.cos(2.0 * math.pi * k * h)), 0.0, 7.0)
             sums = add_contact(Scene(), sums, h, pressures, longest)
@@ -297,11 +308,10 @@ def test_elements_that_a_divider_may_press_follow_its_pressure(
     beside = Shaft(divider_2=Divider(size=0.05, y=-5.0, offset=offset))
     scene = Scene(Rope(length=length), mesh=Mesh("auto"), shaft=beside)
     mesh = fit_mesh(scene)
-    equal = mesh.kind == "eem"
-    longest = max(
-        partition(mesh, length, place * length).lengths.max()
-        for place in ([0.5] if equal else [0.2, 0.5])
-    )
+    places = [0.5]
+    if mesh.kind != "eem":
+        places.append(0.2)
+    longest = max(partition(mesh, length, place * length).lengths.max() for place in places)
     # whole numbers of elements make those of a pattern a little longer than asked for
     assert longest < 1.05 * length_for(scene, BLOW)
 
@@ -321,7 +331,8 @@ def test_bodies_that_are_far_do_not_hold_or_are_wide_leave_the_mesh(shaft: Shaft
 def test_an_element_near_no_body_is_the_plain_one() -> None:
     plain, near = element_case("torsional", Contact())
     near[4][-2:] = 0.0
-    element, without = touching("torsional"), element_functions()
+    element = touching("torsional")
+    without = element_functions()
     assert_array_equal(np.array(element.residual(*near)), np.array(without.residual(*plain)))
     tangents = (
         element.tangent(*near, 1, 2, 3, near[0])[1],
@@ -331,12 +342,14 @@ def test_an_element_near_no_body_is_the_plain_one() -> None:
     assert not np.array(element.balance(near[0], near[1], *near[3:]))[-len(CONTACT_BALANCE) :].any()
 
 
-#: coupling, and height of the left end, m; in the way of the floor legs stood on it as bars, with forces of some MN
+#: coupling, and height of the left end, m; in the way of the floor legs stood on it as bars, with
+#: forces of some MN
 @pytest.mark.parametrize(("coupling", "left"), [(0.0, -10.0), (1.0, 0.0)])
 def test_a_rope_whose_floor_is_high_lies_on_it_and_hangs_from_its_ends(
     coupling: float, left: float
 ) -> None:
-    plain, level = Rope(length=60.0), -20.0
+    plain = Rope(length=60.0)
+    level = -20.0
     rope = Rope(length=60.0, Qb=coupling * plain.Qb, Qc=coupling * plain.Qc)
     scene = Scene(rope, mesh=Mesh("eem", elements=45), shaft=Shaft(sump=Sump(level=level)))
     seen = hung(balance_rope(scene), left=EndMotion(y=left)).signals(
@@ -363,20 +376,17 @@ def test_a_rope_on_its_way_to_rest_jumps_over_no_thin_beam() -> None:
 
 def test_a_mesh_that_is_transformed_on_a_floor_keeps_the_energy_balance() -> None:
     """TMN-ETM on 30 m of rope, whose loop drags over the floor through several transformations."""
-    mesh, shaft = (
-        Mesh("tmn", coarse_length=1.0, counts=(2, 4, 40, 4, 2)),
-        Shaft(sump=Sump(level=-13.6)),
-    )
-    scene, speed, ramp = Scene(rope=Rope(length=30.0), mesh=mesh, shaft=shaft), 3.0, 1.0
+    mesh = Mesh("tmn", coarse_length=1.0, counts=(2, 4, 40, 4, 2))
+    shaft = Shaft(sump=Sump(level=-13.6))
+    scene = Scene(rope=Rope(length=30.0), mesh=mesh, shaft=shaft)
+    speed = 3.0
+    ramp = 1.0
 
     def motion(t: float) -> tuple[EndMotion, EndMotion]:
         s = min(t / ramp, 1.0)
-        y = (
-            speed * ramp * s**4 * (2.5 - 3 * s + s * s)
-            if s < 1
-            else speed * (0.5 * ramp + t - ramp)
-        )
-        v, a = speed * s**3 * (10 - 15 * s + 6 * s * s), speed * 30 * (s * (1 - s)) ** 2 / ramp
+        y = speed * (ramp * s**4 * (2.5 - 3 * s + s * s) + max(t - ramp, 0.0))
+        v = speed * s**3 * (10 - 15 * s + 6 * s * s)
+        a = speed * 30 * (s * (1 - s)) ** 2 / ramp
         return EndMotion(y=y, vy=v, ay=a), EndMotion(y=-y, vy=-v, ay=-a)
 
     rope = wound(balance_rope(scene, "native"), motion, 250)

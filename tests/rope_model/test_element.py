@@ -27,11 +27,9 @@ from rope_model.physics.element import BALANCE, ELEMENT_DOF, NODE_DOF, element_f
 def interpolate(x: Array, xi: Array, l: float) -> tuple[Array, Array, Array]:
     """r, r', r'' (3, n) at xi of an element's degrees of freedom ``x`` (14,)."""
     ends = np.array([x[0:3], l * x[3:6], x[7:10], l * x[10:13]])
-    hermite = np.array([[1.0, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
-    rates = [
-        np.array([polyval(xi, polyder(shape, k)) for shape in hermite]) / l**k for k in range(3)
-    ]
-    r, d, c = (ends.T @ rate for rate in rates)
+    # of each polynomial a column, its coefficients from the constant on
+    hermite = np.array([[1.0, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]]).T
+    r, d, c = (ends.T @ polyval(xi, polyder(hermite, k)) / l**k for k in range(3))
     return r, d, c
 
 
@@ -44,7 +42,8 @@ def direction(d: Array, change: Array) -> tuple[Array, Array]:
 
 @seeds
 def test_the_balance_holds_the_integrals_of_the_theory(seed: int) -> None:
-    s, m = some_state(seed), MATERIAL
+    s = some_state(seed)
+    m = MATERIAL
     parts = balance(s.q, s.v, s.l, s.F, s.P(**m))
     # polynomials of degree six: exact with four points; strains by the element's three
     for points, names in ((4, ("kinetic", "gravity")), (3, (*STRAIN, "spin"))):
@@ -52,17 +51,21 @@ def test_the_balance_holds_the_integrals_of_the_theory(seed: int) -> None:
         at = 0.5 + 0.5 * xi
         r, d, c = interpolate(s.q, at, s.l)
         r_t, d_t, _ = interpolate(s.v, at, s.l)
-        theta_x, theta_t = (s.q[13] - s.q[6]) / s.l, s.v[6] + at * (s.v[13] - s.v[6])
+        theta_x = (s.q[13] - s.q[6]) / s.l
+        theta_t = s.v[6] + at * (s.v[13] - s.v[6])
         _, d_p, c_p = interpolate(s.reference, at, s.l)
         stretch = np.linalg.norm(d, axis=0)
         (t, t_x), (_, t_t), (p, p_x) = (direction(*pair) for pair in ((d, c), (d, d_t), (d_p, c_p)))
-        e, k = stretch - 1, np.linalg.norm(np.cross(d, c, axis=0), axis=0) / stretch**2
+        e = stretch - 1
+        k = np.linalg.norm(np.cross(d, c, axis=0), axis=0) / stretch**2
         twist, spin = (
             -np.sum(np.cross(p, t, axis=0) * change, axis=0) / (1 + np.sum(p * t, axis=0))
             for change in (p_x + t_x, t_t)
         )
-        # one torsional strain for the element: its mean by three points, whatever points it is summed with
-        tau, w = theta_x + 0.5 * float(weights @ twist), theta_t + spin
+        # one torsional strain for the element: its mean by three points, whatever points it is
+        # summed with
+        tau = theta_x + 0.5 * float(weights @ twist)
+        w = theta_t + spin
         slope_rate = s.v[13] - s.v[6]
         density = {
             "axial": 0.5 * m["Qa"] * e**2,
@@ -81,7 +84,8 @@ def test_the_balance_holds_the_integrals_of_the_theory(seed: int) -> None:
 
 @seeds
 def test_elastic_force_and_weight_are_gradients_of_their_energies(seed: int) -> None:
-    s, rest = some_state(seed), np.zeros(14)
+    s = some_state(seed)
+    rest = np.zeros(14)
     for names, P in (
         (STRAIN, s.P(Qa=5.0, Qs=0.8, Qd=2.0, Qe=0.6, EI=1.5)),
         (("gravity",), s.P(rho=1.3, g=9.8)),
@@ -102,7 +106,8 @@ def test_the_inertia_force_is_lagranges_derivative_of_the_kinetic_energy(seed: i
         return energy(q, v, s.l, s.F, P, ("kinetic", "spin"))
 
     def momentum(t: float) -> Array:
-        q, v = s.q + t * s.v + 0.5 * t * t * s.a, s.v + t * s.a
+        q = s.q + t * s.v + 0.5 * t * t * s.a
+        v = s.v + t * s.a
         # the energy is quadratic in v: the difference is exact for any step
         return difference(lambda x: kinetic(q, x), v, step=1.0)
 
@@ -128,12 +133,11 @@ def test_the_momentum_is_the_derivative_of_the_kinetic_energy_along_rigid_motion
         return energy(s.q, v, s.l, s.F, P, ("kinetic", "spin"))
 
     for k, e in enumerate(np.eye(3)):
-        shift, turn = np.zeros((2, NODE_DOF)), np.zeros((2, NODE_DOF))
-        shift[:, :3], turn[:, :3], turn[:, 3:6] = (
-            e,
-            np.cross(e, nodes[:, :3]),
-            np.cross(e, nodes[:, 3:6]),
-        )
+        shift = np.zeros((2, NODE_DOF))
+        turn = np.zeros((2, NODE_DOF))
+        shift[:, :3] = e
+        turn[:, :3] = np.cross(e, nodes[:, :3])
+        turn[:, 3:6] = np.cross(e, nodes[:, 3:6])
         turn[:, 6] = nodes[:, 3:6] @ e / np.linalg.norm(nodes[:, 3:6], axis=1)
         for motion, value in ((shift, found[k]), (turn, found[3 + k])):
             # the kinetic energy is quadratic in v: the central difference has rounding only
@@ -159,7 +163,8 @@ def test_the_damping_force_takes_the_damping_power_out_of_the_motion(seed: int) 
 @pytest.mark.parametrize("name", ["beta_K", "root_a", "root_b"])
 def test_each_damping_acts_on_its_own_strain(name: str) -> None:
     """Stretched, twisted and bent at a rate of 1: what grows fourfold when the number of its strain is doubled."""
-    l, damped = 1.7, {"beta_K": 0.3, "root_a": 1.3, "root_b": 0.7}
+    l = 1.7
+    damped = {"beta_K": 0.3, "root_a": 1.3, "root_b": 0.7}
     q = np.array([0.0, 0, 0, 1, 0, 0, 0, l, 0, 0, 1, 0, 0, 0])
     stretched, twisted, bent = (np.zeros(14) for _ in range(3))
     stretched[[3, 7, 10]] = 1.0, l, 1.0
@@ -186,34 +191,45 @@ def test_the_damping_power_is_never_negative() -> None:
 
 
 def test_a_closed_cycle_of_strain_does_the_work_of_qb_minus_qc() -> None:
-    # straight, so that e and tau are those of the degrees of freedom: an ellipse in the strain plane
-    l, Qk, e_0, tau_0 = 1.7, 0.3, 0.1, 0.4
+    # straight, so that e and tau are those of the degrees of freedom: an ellipse in the strain
+    # plane
+    l = 1.7
+    Qk = 0.3
+    e_0 = 0.1
+    tau_0 = 0.4
     s = some_state(0)
     straight_x = np.array([0.0, 0, 0, 1, 0, 0, 0, l, 0, 0, 1, 0, 0, 0])
-    F, P = State(s.q, s.v, s.a, l, straight_x).F, s.P(Qa=5.0, Qs=0.8, Qk=Qk, Qd=2.0)
-    work, energy_balance, phases = 0.0, 0.0, np.arange(64) * 2 * np.pi / 64
+    F = State(s.q, s.v, s.a, l, straight_x).F
+    P = s.P(Qa=5.0, Qs=0.8, Qk=Qk, Qd=2.0)
+    work = 0.0
+    energy_balance = 0.0
+    phases = np.arange(64) * 2 * np.pi / 64
     for phi in phases:
-        q, v = np.zeros(14), np.zeros(14)
-        q[[3, 10]], q[7], q[13] = (
-            1 + e_0 * np.cos(phi),
-            l * (1 + e_0 * np.cos(phi)),
-            l * tau_0 * np.sin(phi),
-        )
-        v[[3, 10]], v[7], v[13] = (
-            -e_0 * np.sin(phi),
-            -l * e_0 * np.sin(phi),
-            l * tau_0 * np.cos(phi),
-        )
+        q = np.zeros(14)
+        v = np.zeros(14)
+        q[[3, 10]] = 1 + e_0 * np.cos(phi)
+        q[7] = l * (1 + e_0 * np.cos(phi))
+        q[13] = l * tau_0 * np.sin(phi)
+        v[[3, 10]] = -e_0 * np.sin(phi)
+        v[7] = -l * e_0 * np.sin(phi)
+        v[13] = l * tau_0 * np.cos(phi)
         work += residual(q, v, np.zeros(14), l, F, P) @ v * 2 * np.pi / 64
         energy_balance += balance(q, v, l, F, P)["nonconservative_power"] * 2 * np.pi / 64
-    # twice Qk times the enclosed area, negative for this sense; the trapezoidal rule is exact on a circle
+    # twice Qk times the enclosed area, negative for this sense; the trapezoidal rule is exact on a
+    # circle
     np.testing.assert_allclose(
         [work, energy_balance], -2 * np.pi * Qk * e_0 * tau_0 * l, rtol=1e-12
     )
 
 
 def test_costellos_law_is_the_gradient_of_its_energy_plus_the_remainder() -> None:
-    Qa, Qs, Qk, Qd, Qe, e, tau = 5.0, 0.8, 0.3, 2.0, 0.6, 0.12, -0.4
+    Qa = 5.0
+    Qs = 0.8
+    Qk = 0.3
+    Qd = 2.0
+    Qe = 0.6
+    e = 0.12
+    tau = -0.4
 
     def U(x: Array) -> float:
         return float(
@@ -236,9 +252,12 @@ def test_costellos_law_is_the_gradient_of_its_energy_plus_the_remainder() -> Non
 @pytest.mark.parametrize("c", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.7, 1.9, 0.4)])
 @pytest.mark.parametrize("fidelity", ELEMENT_DOF)
 def test_at_rest_the_tangent_is_the_derivative_of_the_residual(fidelity, seed, c):
-    s, element = some_state(seed), element_functions(fidelity)
+    s = some_state(seed)
+    element = element_functions(fidelity)
     kept = [*ELEMENT_DOF[fidelity], *(NODE_DOF + i for i in ELEMENT_DOF[fidelity])]
-    q, rest, P = s.q[kept], np.zeros(len(kept)), s.P(**(MATERIAL | {"Qk": 0.0}))
+    q = s.q[kept]
+    rest = np.zeros(len(kept))
+    P = s.P(**(MATERIAL | {"Qk": 0.0}))
     F = np.asarray(element.reference(s.reference[kept], s.l)).ravel()
 
     def force(q: Array, v: Array, a: Array) -> Array:
@@ -249,19 +268,18 @@ def test_at_rest_the_tangent_is_the_derivative_of_the_residual(fidelity, seed, c
     # truncation of second order: up to 1e-6 where a planar element is nearly compressed to a point
     np.testing.assert_allclose(J, along, rtol=0, atol=1e-9 * np.abs(J).max() + 1e-6)
     np.testing.assert_allclose(R.ravel(), force(q, rest, rest), rtol=1e-12, atol=1e-12)
-    v, a = s.v[kept], s.a[kept]
+    v = s.v[kept]
+    a = s.a[kept]
     R = np.asarray(element.tangent(q, v, a, s.l, F, P, *c, s.reference[kept])[0]).ravel()
     np.testing.assert_allclose(R, force(q, v, a), rtol=1e-12, atol=1e-12)
 
 
 def test_the_tension_before_stiffens_the_element_as_that_of_a_string() -> None:
-    l, strain, P, still, string = (
-        2.0,
-        1e-3,
-        some_state(0).P(Qa=5.0),
-        np.zeros(14),
-        np.zeros((2, 14)),
-    )
+    l = 2.0
+    strain = 1e-3
+    P = some_state(0).P(Qa=5.0)
+    still = np.zeros(14)
+    string = np.zeros((2, 14))
     string[:, [3, 7, 10]] = np.outer((1.0, 1.0 + strain), (1.0, l, 1.0))
     F = np.asarray(ELEMENT.reference(string[0], l)).ravel()
     J = [
@@ -279,8 +297,10 @@ def test_the_tension_before_stiffens_the_element_as_that_of_a_string() -> None:
 def test_what_the_tangent_leaves_out_in_motion_is_of_the_first_order_in_the_speed(
     seed: int,
 ) -> None:
-    s, c = some_state(seed), (1.0, 3.0, 0.0)
-    P, rest = s.P(**(MATERIAL | {"Qk": 0.0})), np.zeros(14)
+    s = some_state(seed)
+    c = (1.0, 3.0, 0.0)
+    P = s.P(**(MATERIAL | {"Qk": 0.0}))
+    rest = np.zeros(14)
     left_out = []
     for speed in (1e-2, 5e-3):
         v = speed * s.v

@@ -35,11 +35,13 @@ LOAD = np.array([0.5, -3.0])
 
 def elastica_tip() -> Array:
     """(2,) tip of the same cantilever, from the rod's own differential equation by shooting."""
-    EI, Qa = CANTILEVER["EI"], CANTILEVER["Qa"]
+    EI = CANTILEVER["EI"]
+    Qa = CANTILEVER["Qa"]
 
     def rates(x: float, y: Array) -> Array:
         phi, phi_x = y[:2]
-        t, n = np.array([np.cos(phi), np.sin(phi)]), np.array([-np.sin(phi), np.cos(phi)])
+        t = np.array([np.cos(phi), np.sin(phi)])
+        n = np.array([-np.sin(phi), np.cos(phi)])
         stretch = 1 + LOAD @ t / Qa
         return np.array([phi_x, -stretch * (LOAD @ n) / EI, *(stretch * t)])
 
@@ -55,11 +57,15 @@ def elastica_tip() -> Array:
 def cantilever_tip(elements: int, load: Array, torque: float, coupling: float = 0.0) -> Array:
     s = np.linspace(0.0, 1.0, elements + 1)
     q = straight(s)
-    held, loads = nothing_held(q), np.zeros_like(q)
+    held = nothing_held(q)
+    loads = np.zeros_like(q)
     held[0, [0, 1, 2, 4, 5, 6]] = True
-    loads[-1, : load.size], loads[-1, 6] = load, torque
+    loads[-1, : load.size] = load
+    loads[-1, 6] = torque
     P = np.array([(CANTILEVER | {"Qs": coupling}).get(name, 0.0) for name in PARAMETERS])
-    P[0], P[7] = 1.0, 0.1  # inertia for pseudo-transient continuation only
+    # inertia for pseudo-transient continuation only
+    P[0] = 1.0
+    P[7] = 0.1
     return find_equilibrium(rod(np.diff(s), P, held, q, loads), q).q[-1, :3]
 
 
@@ -75,8 +81,8 @@ def test_displacements_converge_with_the_fourth_power_of_the_element_length() ->
 def test_with_torsion_in_space_they_do_so_but_for_the_coupling(
     coupling: float, order: float
 ) -> None:
-    # a uniform torque without coupling means a uniform torsional strain: one for the element is no approximation.  With
-    # coupling the strain follows the tension
+    # a uniform torque without coupling means a uniform torsional strain: one for the element is no
+    # approximation.  With coupling the strain follows the tension
     tips = [cantilever_tip(n, np.array([0.2, -2.0, 1.0]), 0.4, coupling) for n in (8, 16, 32, 64)]
     steps = np.linalg.norm(np.diff(tips, axis=0), axis=1)
     np.testing.assert_allclose(np.log2(steps[-2] / steps[-1]), order, atol=0.2)
@@ -84,7 +90,8 @@ def test_with_torsion_in_space_they_do_so_but_for_the_coupling(
 
 def waves(P: Array, l: float, k: float) -> Array:
     """Frequencies (rad/s) of the waves of wave number ``k`` (1/m) along equal straight elements, slowest first."""
-    q, none = np.zeros(14), np.zeros(14)
+    q = np.zeros(14)
+    none = np.zeros(14)
     q[[3, 7, 10]] = 1.0, l, 1.0
     F = np.asarray(ELEMENT.reference(q, l)).ravel()
     K, M = (
@@ -93,16 +100,20 @@ def waves(P: Array, l: float, k: float) -> Array:
     )
     along = [0, 3, 6]
     wave = np.zeros((14, 3), complex)
-    wave[along], wave[[7 + i for i in along]] = np.eye(3), np.exp(1j * k * l) * np.eye(3)
+    wave[along] = np.eye(3)
+    wave[[7 + i for i in along]] = np.exp(1j * k * l) * np.eye(3)
     K, M = (wave.conj().T @ matrix @ wave for matrix in (K, M))
     return np.sqrt(np.sort(np.linalg.eigvals(np.linalg.solve(M, K)).real))
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
 def test_torsional_waves_run_with_an_error_of_the_fourth_order(share: float) -> None:
-    rope, k, x = Rope(), 0.1, np.array([0.1, 0.2, 0.4, 0.8])
+    rope = Rope()
+    k = 0.1
+    x = np.array([0.1, 0.2, 0.4, 0.8])
     rope = replace(rope, Qb=share * rope.Qb, Qc=share * rope.Qc)
-    stiffness, inertia = [[rope.Qa, rope.Qs], [rope.Qs, rope.Qd]], [rope.mass_per_length, rope.rhoJ]
+    stiffness = [[rope.Qa, rope.Qs], [rope.Qs, rope.Qd]]
+    inertia = [rope.mass_per_length, rope.rhoJ]
     speed = math.sqrt(
         np.linalg.eigvals(np.array(stiffness) / np.array(inertia)[:, None]).real.min()
     )
@@ -115,7 +126,9 @@ def test_torsional_waves_run_with_an_error_of_the_fourth_order(share: float) -> 
 
 
 def test_what_that_costs_the_longitudinal_wave_is_what_rayleigh_s_quotient_says() -> None:
-    rope, k, x = Rope(), 0.1, 0.2
+    rope = Rope()
+    k = 0.1
+    x = 0.2
     P = np.array(element.parameters(rope, 0.0))
     stiffness = np.array([[rope.Qa, rope.Qs], [rope.Qs, rope.Qd]])
     square = np.linalg.eigvals(
@@ -157,19 +170,23 @@ def on_curve(l: float) -> Array:
 
 @seeds
 def test_what_becomes_the_reference_keeps_its_energies_and_its_spin(seed: int) -> None:
-    s, P = some_state(seed), some_state(seed).P(**MATERIAL)
-    q, v = s.q.copy(), s.v.copy()
+    s = some_state(seed)
+    P = s.P(**MATERIAL)
+    q = s.q.copy()
+    v = s.v.copy()
     gained = np.asarray(ELEMENT.transport(q, v, s.a, s.l, s.F)).ravel()
     q[13] += gained[0]
     own = State(q, v, s.a, s.l, q)
-    before, after = energy(s.q, s.v, s.l, s.F, P, STRAIN), energy(q, v, s.l, own.F, P, STRAIN)
+    before = energy(s.q, s.v, s.l, s.F, P, STRAIN)
+    after = energy(q, v, s.l, own.F, P, STRAIN)
     np.testing.assert_allclose(after, before, rtol=1e-12)
     # the angle's rate at the right node and its own rate: those of the spin there
     d, d_t, d_tt = (x[10:13] for x in (s.q, s.v, s.a))
     p = s.reference[10:13] / np.linalg.norm(s.reference[10:13])
 
     def spin(t: float) -> float:
-        at, rate = d + t * d_t + 0.5 * t * t * d_tt, d_t + t * d_tt
+        at = d + t * d_t + 0.5 * t * t * d_tt
+        rate = d_t + t * d_tt
         return float(smallest_rotation_rate(p, np.zeros(3), at, rate))
 
     expected = [spin(0.0), (spin(STEP) - spin(-STEP)) / (2 * STEP)]
@@ -177,7 +194,9 @@ def test_what_becomes_the_reference_keeps_its_energies_and_its_spin(seed: int) -
 
 
 def test_the_way_to_a_shape_does_not_matter_but_for_the_quadrature() -> None:
-    rng, error, rest = np.random.default_rng(2), [], np.zeros(14)
+    rng = np.random.default_rng(2)
+    error = []
+    rest = np.zeros(14)
     maps = np.eye(3) + 0.4 * rng.normal(size=(3, 3, 3))
     for l in (0.2, 0.1, 0.05):
         shapes = [turned(on_curve(l), A) for A in maps]
@@ -186,7 +205,8 @@ def test_the_way_to_a_shape_does_not_matter_but_for_the_quadrature() -> None:
             float(ELEMENT.transport(shapes[k], rest, rest, l, frames[k - 1])[0]) for k in range(3)
         )
         # the frame at a node has turned by the area that the node's tangents enclose on the sphere
-        first, last = (area(*(x[k : k + 3] for x in shapes)) for k in (3, 10))
+        first = area(*(x[3:6] for x in shapes))
+        last = area(*(x[10:13] for x in shapes))
         error.append(abs(turn - (last - first)))
     # three Gauss points: error l^7 per element, or less where its factor changes sign
     assert np.min(np.log2(np.array(error[:-1]) / error[1:])) > 6.5
@@ -199,10 +219,13 @@ def area(*corners: Array) -> float:
 
 
 def test_a_rigid_rotation_dissipates_nothing_but_for_the_interpolation() -> None:
-    # the angle is linear between the nodes, so is its rate: the spin of a section errs by l^2, the power by its square
-    w, power = np.array([0.3, -1.1, 0.7]), []
+    # the angle is linear between the nodes, so is its rate: the spin of a section errs by l^2, the
+    # power by its square
+    w = np.array([0.3, -1.1, 0.7])
+    power = []
     for l in (0.1, 0.05, 0.025):
-        q, v = on_curve(l), np.zeros(14)
+        q = on_curve(l)
+        v = np.zeros(14)
         for k in (0, 3, 7, 10):
             v[k : k + 3] = np.cross(w, q[k : k + 3])
         v[[6, 13]] = [w @ q[k : k + 3] / np.linalg.norm(q[k : k + 3]) for k in (3, 10)]
@@ -217,14 +240,18 @@ def test_a_rigid_rotation_dissipates_nothing_but_for_the_interpolation() -> None
 def smallest_rotation(pole: Array, t: Array) -> Array:
     """(3, 3): the smallest rotation from ``pole`` to ``t``."""
     axis = np.cross(pole, t)
-    sine, cosine = float(np.linalg.norm(axis)), float(pole @ t)
+    sine = float(np.linalg.norm(axis))
+    cosine = float(pole @ t)
     return rotation(axis / sine * np.arctan2(sine, cosine))
 
 
 @seeds
 def test_the_frame_rate_is_how_fast_the_frame_turns_about_the_tangent(seed: int) -> None:
-    s, rng = some_state(seed), np.random.default_rng(seed)
-    (d, pole), (change, pole_change) = (s.q[3:6], s.reference[3:6]), rng.normal(size=(2, 3))
+    s = some_state(seed)
+    rng = np.random.default_rng(seed)
+    d = s.q[3:6]
+    pole = s.reference[3:6]
+    change, pole_change = rng.normal(size=(2, 3))
 
     def unit(x: Array) -> Array:
         return np.asarray(x / np.linalg.norm(x))
@@ -232,7 +259,9 @@ def test_the_frame_rate_is_how_fast_the_frame_turns_about_the_tangent(seed: int)
     def frame_at(x: float) -> Array:
         p = unit(pole + x * pole_change)
         # carried along to the neighbour of the pole without turning about it
-        carried = smallest_rotation(unit(pole), p) if x else np.eye(3)
+        carried = np.eye(3)
+        if x != 0.0:
+            carried = smallest_rotation(unit(pole), p)
         return smallest_rotation(p, unit(d + x * change)) @ carried
 
     here = frame_at(0.0)
@@ -248,25 +277,31 @@ def test_the_frame_rate_is_how_fast_the_frame_turns_about_the_tangent(seed: int)
 
 
 def test_a_section_turned_with_the_rope_has_the_twist_of_the_element() -> None:
-    # carried along the curve, turning at tau about the tangent: theta' = tau where the curve is the reference
-    pole, rate = np.array([0.6, 0.0, 0.8]), 0.7
+    # carried along the curve, turning at tau about the tangent: theta' = tau where the curve is the
+    # reference
+    pole = np.array([0.6, 0.0, 0.8])
+    rate = 0.7
 
     def tangent(x: float) -> Array:
         d = curve(np.array([x]))[1][0]
         return np.asarray(d / np.linalg.norm(d))
 
     def rotation(x: float, m: Array) -> Array:
-        t, t_x = tangent(x), (tangent(x + STEP) - tangent(x - STEP)) / (2 * STEP)
+        t = tangent(x)
+        t_x = (tangent(x + STEP) - tangent(x - STEP)) / (2 * STEP)
         return np.cross(np.cross(t, t_x) + rate * t, m)
 
     e = np.array([0.0, 1.0, 0.0])  # across the pole
     start = smallest_rotation(pole, tangent(0.0)) @ e
     section = solve_ivp(rotation, (0.0, 1.0), start, rtol=1e-10, atol=1e-12).y[:, -1]
     # the same from a straight reference along the pole, to the curve's own
-    zero, t = smallest_rotation(pole, tangent(1.0)) @ e, tangent(1.0)
+    zero = smallest_rotation(pole, tangent(1.0)) @ e
+    t = tangent(1.0)
     theta = np.arctan2(np.cross(zero, section) @ t, zero @ section)
     straight_rope = np.tile(np.concatenate((np.zeros(3), pole, [0.0])), 2)
-    s, gained, rest = np.linspace(0.0, 1.0, 21), 0.0, np.zeros(14)
+    s = np.linspace(0.0, 1.0, 21)
+    gained = 0.0
+    rest = np.zeros(14)
     for i in range(20):
         r, d, _ = curve(s[i : i + 2])
         straight_rope[7:10] = pole * (s[i + 1] - s[i])

@@ -54,9 +54,11 @@ def test_spatial_and_torsional_without_inertia_are_the_same() -> None:
 
 
 def test_planar_equals_torsional_without_torque_through_transformations() -> None:
-    full, planar = start(SHORT, fidelity="torsional"), start(SHORT, fidelity="planar")
+    full = start(SHORT, fidelity="torsional")
+    planar = start(SHORT, fidelity="planar")
     for _ in together((full, planar), 399):
-        # the same equations, apart from rounding, which Newton's method and the stiff axial direction amplify
+        # the same equations, apart from rounding, which Newton's method and the stiff axial
+        # direction amplify
         assert_allclose(end_force(planar), end_force(full), rtol=1e-9)
         assert_allclose(
             planar.state.motion.q, full.state.motion.q, rtol=0, atol=1e-9 * SHORT.rope.length
@@ -85,7 +87,8 @@ def test_total_force_of_the_rigid_rope_is_weight_and_rate_of_momentum() -> None:
         rope = rigid_at(t)
         return SHORT.rope.mass_per_length * integral(rope, rope.v[:, 1])
 
-    weight, d = SHORT.rope.mass_per_length * SHORT.layout.gravity * SHORT.rope.length, 1e-3
+    weight = SHORT.rope.mass_per_length * SHORT.layout.gravity * SHORT.rope.length
+    d = 1e-3
     rates = []
     for t in (1.0, 2.0, 3.5):
         rates.append((momentum(t + d) - momentum(t - d)) / (2 * d))
@@ -97,9 +100,13 @@ def test_total_force_of_the_rigid_rope_is_weight_and_rate_of_momentum() -> None:
 def test_energies_of_the_rigid_rope_are_those_of_its_shape_and_flow_and_change_by_the_work_of_the_ends() -> (
     None
 ):
-    rho, g, d = SHORT.rope.mass_per_length, SHORT.layout.gravity, 1e-3
+    rho = SHORT.rope.mass_per_length
+    g = SHORT.layout.gravity
+    d = 1e-3
     for t in (1.0, 2.0, 3.5):
-        rope, before, after = rigid_at(t), rigid_at(t - d), rigid_at(t + d)
+        rope = rigid_at(t)
+        before = rigid_at(t - d)
+        after = rigid_at(t + d)
         assert_allclose(
             0.5 * rho * integral(rope, np.sum(rope.v[:, :3] ** 2, axis=1)), rope.kinetic, rtol=1e-5
         )
@@ -123,7 +130,8 @@ def test_energy_balance_of_the_rigid_rope_closes_at_second_order_in_the_step() -
 def test_rigid_and_planar_rope_err_less_than_estimated_at_gentle_motion() -> None:
     coupled = EVEN.with_(rope=Rope(length=30.0))
     for scene, fidelities in ((coupled, ("torsional", "planar")), (EVEN, ("planar", "rigid"))):
-        ropes, forces = [start(scene, fidelity=fidelity) for fidelity in fidelities], []
+        ropes = [start(scene, fidelity=fidelity) for fidelity in fidelities]
+        forces = []
         for _ in together(ropes, 1000, duration=10.0):
             forces.append([end_force(rope) for rope in ropes])
         full, lower = np.moveaxis(np.array(forces), 1, 0)
@@ -162,20 +170,23 @@ def test_auto_switches_up_without_a_jump(
     swivel: Swivel, motion: dict[str, float], fidelity: str
 ) -> None:
     scene = EVEN.with_(left=swivel, right=swivel)
-    rope, whole = start(scene), start(scene, fidelity=fidelity)
+    rope = start(scene)
+    whole = start(scene, fidelity=fidelity)
     assert rope.state.fidelity == "planar"
-    # a restart does not know how the acceleration changed over the last step, jerk times step (the jerk is 0.15 m/s^3
-    # at 1 s): as much force on half the rope, and jerk times step^2 in the speeds
-    blow, drift = 120.0 * 0.16 * H, 0.16 * H**2
+    # a restart does not know how the acceleration changed over the last step, jerk times step (the
+    # jerk is 0.15 m/s^3 at 1 s): as much force on half the rope, and jerk times step^2 in the
+    # speeds
+    blow = 120.0 * 0.16 * H
+    drift = 0.16 * H**2
     for k in together((rope, whole), 200, **motion):
-        allowed = 0.0 if k <= 100 else 1.0
+        allowed = float(k > 100)
         assert_allclose(end_force(rope), end_force(whole), rtol=1e-9, atol=allowed * blow)
         q = whole.state.motion.q[:, :3]
         assert_allclose(
             rope.state.motion.q[:, :3], q, rtol=0, atol=1e-9 + allowed * drift * (k - 100) * H
         )
         switched = [event.what for event in rope.state.events if "model" in event.what]
-        assert switched == ([f"model {fidelity}"] if k == 101 else [])
+        assert switched == [f"model {fidelity}"] * (k == 101)
     assert rope.state.fidelity == fidelity
     assert "planar model cannot follow left." in rope.state.fidelity_reason
 
@@ -186,7 +197,8 @@ def test_auto_switches_up_without_a_jump(
 def test_rigid_rope_becomes_flexible_when_it_errs_too_much_or_would_go_slack(
     tolerance: float, why: str
 ) -> None:
-    rope, planar = start(EVEN, force_tolerance=tolerance), start(EVEN, fidelity="planar")
+    rope = start(EVEN, force_tolerance=tolerance)
+    planar = start(EVEN, fidelity="planar")
     assert rope.state.fidelity == "rigid"
     forces = []
     for _ in together((rope, planar), 100, duration=2.0):  # up to 11 m/s^2
@@ -195,7 +207,8 @@ def test_rigid_rope_becomes_flexible_when_it_errs_too_much_or_would_go_slack(
     assert "rigid model cannot follow" in rope.state.fidelity_reason
     assert why in rope.state.fidelity_reason
     ours, reference = np.moveaxis(np.array(forces), 1, 0)
-    # the tolerance is of the root mean square; 10 % for either, because nothing allows more after the switch
+    # the tolerance is of the root mean square; 10 % for either, because nothing allows more after
+    # the switch
     assert math.sqrt(np.mean((ours - reference) ** 2)) < 0.1 * np.abs(reference).max()
     # the energy of the shape that it takes on is in the balance
     assert abs(rope.state.energy_balance.residual) < 0.01 * rope.state.energy_balance.kinetic

@@ -3,6 +3,7 @@
 import ctypes as ct
 import random
 import re
+from itertools import chain
 from typing import Any, get_type_hints
 
 import casadi as ca
@@ -40,10 +41,12 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> Any:
         assert match
         result, name, arguments = match.groups()
         passed = ", ".join(argument_of(text).name for text in arguments.split(", "))
-        returned = "" if result == "void" else "return "
+        call = f"{name}({passed});"
+        if result != "void":
+            call = f"return {call}"
         code += [
             f"{result} {name}_({arguments});",
-            f"{result} {name}_({arguments}) {{ {returned}{name}({passed}); }}",
+            f"{result} {name}_({arguments}) {{ {call} }}",
         ]
     return compiled(tmp_path_factory.mktemp("formulas"), {"all.c": "\n".join(code) + "\n"})
 
@@ -67,7 +70,9 @@ def c_structure(kind: type[Any]) -> type[ct.Structure]:
 
 
 def c_numbers(shape: tuple[int, ...]) -> Any:
-    return c_numbers(shape[1:]) * shape[0] if shape else ct.c_double
+    if not shape:
+        return ct.c_double
+    return c_numbers(shape[1:]) * shape[0]
 
 
 def with_numbers(symbolic: Any, chance: random.Random) -> Any:
@@ -76,7 +81,9 @@ def with_numbers(symbolic: Any, chance: random.Random) -> Any:
         return VALUES.get(symbolic.name(), chance.uniform(0.5, 1.0))
     if isinstance(symbolic, tuple):
         parts = [with_numbers(part, chance) for part in symbolic]
-        return type(symbolic)(*parts) if hasattr(symbolic, "_fields") else tuple(parts)
+        if hasattr(symbolic, "_fields"):
+            return type(symbolic)(*parts)
+        return tuple(parts)
     made = object.__new__(type(symbolic))
     vars(made).update({name: with_numbers(part, chance) for name, part in vars(symbolic).items()})
     return made
@@ -85,17 +92,14 @@ def with_numbers(symbolic: Any, chance: random.Random) -> Any:
 def in_c(value: Any, kind: str) -> Any:
     if kind != "double":
         return ct.byref(fill(c_structure(STRUCTURES[kind])(), value))
-    return (
-        ct.c_double(value)
-        if isinstance(value, float)
-        else np.array(value).ctypes.data_as(ct.c_void_p)
-    )
+    if isinstance(value, float):
+        return ct.c_double(value)
+    return np.array(value).ctypes.data_as(ct.c_void_p)
 
 
 def fill(structure: ct.Structure, value: Any) -> ct.Structure:
-    names = value._fields if isinstance(value, tuple) else vars(value)
-    for name in names:
-        part = getattr(value, name)
+    parts = value._asdict() if isinstance(value, tuple) else vars(value)
+    for name, part in parts.items():
         if isinstance(part, float):
             setattr(structure, name, part)
         elif isinstance(part, tuple):
@@ -106,14 +110,10 @@ def fill(structure: ct.Structure, value: Any) -> ct.Structure:
 
 
 def flat(value: Any) -> list[float]:
-    parts = (
-        value
-        if isinstance(value, tuple)
-        else ()
-        if isinstance(value, float)
-        else vars(value).values()
-    )
-    return [x for part in parts for x in flat(part)] if parts else [value]
+    if isinstance(value, float):
+        return [value]
+    parts = value if isinstance(value, tuple) else vars(value).values()
+    return [*chain.from_iterable(map(flat, parts))]
 
 
 @pytest.mark.parametrize("prototype", FORMULAS)
@@ -122,15 +122,15 @@ def test_c_computes_the_formula_to_the_bit(library: Any, prototype: str) -> None
     assert match
     result, name, text = match.groups()
     arguments = [argument_of(argument) for argument in text.split(", ")]
-    function, formula, chance = (
-        getattr(library, f"{name}_"),
-        FORMULAS[prototype],
-        random.Random(name),
-    )
-    if result != "void":
-        function.restype = ct.c_double if result == "double" else c_structure(STRUCTURES[result])
-    else:
+    function = getattr(library, f"{name}_")
+    formula = FORMULAS[prototype]
+    chance = random.Random(name)
+    if result == "void":
         taker = arguments.pop()
+    elif result == "double":
+        function.restype = ct.c_double
+    else:
+        function.restype = c_structure(STRUCTURES[result])
     own_hypot = "hypot" in function_code(prototype, formula)
     symbols = [symbols_of(argument) for argument in arguments]
     for _ in range(100):
@@ -145,7 +145,7 @@ def test_c_computes_the_formula_to_the_bit(library: Any, prototype: str) -> None
             ours = made.ravel()
         else:
             back = function(*given)
-            ours = np.array([back]) if result == "double" else np.frombuffer(back)
+            ours = np.atleast_1d(back) if result == "double" else np.frombuffer(back)
         if own_hypot:  # Python has a hypot of its own, rounded better than libm's
             assert_allclose(ours, expected, rtol=1e-14, atol=1e-14)
         else:
@@ -182,14 +182,18 @@ def spoken(tmp_path_factory: pytest.TempPathFactory) -> ct.CDLL:
     return compiled(tmp_path_factory.mktemp("messages"), {"all.c": "\n".join(code) + "\n"})
 
 
+def as_c_text(value: float | str) -> float | bytes:
+    if isinstance(value, str):
+        return value.encode()
+    return value
+
+
 @pytest.mark.parametrize("name", TEXTS)
 def test_c_says_what_python_says(spoken: ct.CDLL, name: str) -> None:
-    say, room = getattr(spoken, f"of_{name}"), ct.create_string_buffer(512)
+    say = getattr(spoken, f"of_{name}")
+    room = ct.create_string_buffer(512)
     say.argtypes = (ct.c_char_p, *(TYPES[kind][1] for kind in kinds(name)))
     for k in range(7):
         values = [SAMPLES[kind][k % len(SAMPLES[kind])] for kind in kinds(name)]
-        assert (
-            say(room, *[value.encode() if isinstance(value, str) else value for value in values])
-            == 0
-        )
+        assert say(room, *map(as_c_text, values)) == 0
         assert room.value.decode() == TEXTS[name](*values)[:511]

@@ -12,7 +12,8 @@ from rope_model.reference.generalized_alpha import MAX_GROWTH, Motion, restart, 
 from rope_model.reference.newton import Cause
 
 #: step patterns, repeated: the ratios stay the same when the steps are refined
-CONSTANT, VARYING = (1.0,), (0.6, 1.2, 0.9, 1.8, 0.5, 1.0)
+CONSTANT = (1.0,)
+VARYING = (0.6, 1.2, 0.9, 1.8, 0.5, 1.0)
 NEWTON = 1e-12
 
 
@@ -50,11 +51,16 @@ class System:
 class SpringPendulum(System):
     """A mass on a stiffening spring with a damper, hung from a point that is moved; rows: point, mass."""
 
-    mass, stiffness, damping, rest, gravity = 1.3, 40.0, 0.4, 1.0, 9.8
+    mass = 1.3
+    stiffness = 40.0
+    damping = 0.4
+    rest = 1.0
+    gravity = 9.8
     held = np.array([[True, True], [False, False]])
 
     def motion(self, t: float) -> Array:
-        s, c = np.sin(2 * t), np.cos(2 * t)
+        s = np.sin(2 * t)
+        c = np.cos(2 * t)
         rows = ([0.3 * s, 0.2 * (1 - c)], [0.6 * c, 0.4 * s], [-1.2 * s, 0.8 * c])
         return np.array([[row, [0.0, 0.0]] for row in rows])
 
@@ -71,7 +77,8 @@ class SpringPendulum(System):
     def tangent(self, q: Array, c: tuple[float, float, float]) -> Array:
         d = q[1] - q[0]
         L = float(np.linalg.norm(d))
-        n, stretch = d / L, L - self.rest
+        n = d / L
+        stretch = L - self.rest
         across = self.stiffness * (stretch + stretch**3) / L
         K = across * np.eye(2) + (self.stiffness * (1 + 3 * stretch**2) - across) * np.outer(n, n)
         return np.asarray(c[0] * K + (c[1] * self.damping + c[2] * self.mass) * np.eye(2))
@@ -94,7 +101,8 @@ class SpringPendulum(System):
         )
 
     def start(self) -> Motion:
-        q, v = np.array([[0.0, 0.0], [0.4, -1.3]]), np.array([[0.0, 0.0], [0.5, 0.2]])
+        q = np.array([[0.0, 0.0], [0.4, -1.3]])
+        v = np.array([[0.0, 0.0], [0.5, 0.2]])
         return restart(self, 0.0, q, v)  # type: ignore[arg-type]
 
 
@@ -119,7 +127,8 @@ def pendulum_orders(
     pattern: tuple[float, ...], rho: float, steps: int = 120, recentre: bool = True
 ) -> Array:
     """Observed orders (3,) of q, v and end force."""
-    system, errors = SpringPendulum(), []
+    system = SpringPendulum()
+    errors = []
     exact = system.exact(PENDULUM_END)
     for n in (steps, 2 * steps):
         m = integrate(system, system.start(), PENDULUM_END, n, pattern, rho, recentre)
@@ -182,9 +191,11 @@ def test_no_frequency_is_amplified_and_the_radius_at_infinite_frequency_is_rho(r
 
 
 def test_a_restart_gives_accelerations_in_equilibrium_and_no_history() -> None:
-    system, start = SpringPendulum(), SpringPendulum().start()
+    system = SpringPendulum()
+    start = SpringPendulum().start()
     rng = np.random.default_rng(5)
-    q, v = start.q + 0.05 * rng.normal(size=start.q.shape), rng.normal(size=start.q.shape)
+    q = start.q + 0.05 * rng.normal(size=start.q.shape)
+    v = rng.normal(size=start.q.shape)
     m = restart(system, 0.3, q, v)
     np.testing.assert_allclose(m.reaction[~system.held], 0.0, atol=1e-12)  # rounding of 50 N
     given = system.motion(0.3)
@@ -206,7 +217,8 @@ def test_a_step_that_grows_too_fast_does_not_extrapolate_the_acceleration() -> N
 
 
 def test_a_failed_step_is_a_verdict_and_leaves_the_old_motion_alone() -> None:
-    system, start = SpringPendulum(), SpringPendulum().start()
+    system = SpringPendulum()
+    start = SpringPendulum().start()
     before = start.q.copy()
     hard = step(system, start, 50.0, 0.6, 1e-12)
     assert hard.motion is None

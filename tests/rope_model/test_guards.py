@@ -18,7 +18,8 @@ from rope_model import (
 )
 from rope_model.physics.guard import CAUSES, NEVER, GuardState, off_plumb, sideways, watch
 
-LEFT, RIGHT = (-1.0, 20.0, 0.0), (2.0, 10.0, 4.0)
+LEFT = (-1.0, 20.0, 0.0)
+RIGHT = (2.0, 10.0, 4.0)
 NOTHING = dict.fromkeys(CAUSES, 0.0) | {"clearance": 1e6}
 
 
@@ -38,12 +39,14 @@ def after(guard: Guard, *looks: tuple[float, str, float]) -> GuardState:
 
 @pytest.mark.parametrize("cause", CAUSES)
 def test_a_guard_trips_beyond_its_threshold_and_no_other_does(cause: str) -> None:
-    guard, inside, outside = Guard(**{cause: 1.0}), 1.0, 0.99 if cause == "clearance" else 1.01
-    others = [
-        (1.0, other, 0.5 if other == "clearance" else 2.0) for other in CAUSES if other != cause
-    ]
+    guard = Guard(**{cause: 1.0})
+    inside = 1.0
+    # a clearance trips below its threshold
+    outside = dict.fromkeys(CAUSES, 1.01) | {"clearance": 0.99}
+    far_outside = dict.fromkeys(CAUSES, 2.0) | {"clearance": 0.5}
+    others = [(1.0, other, far_outside[other]) for other in CAUSES if other != cause]
     assert after(guard, (0.0, cause, inside), *others).cause == 0
-    assert after(guard, (0.0, cause, inside), (3.0, cause, outside))[1:3] == (
+    assert after(guard, (0.0, cause, inside), (3.0, cause, outside[cause]))[1:3] == (
         CAUSES.index(cause) + 1,
         3.0,
     )
@@ -74,7 +77,8 @@ def test_the_rise_is_nothing_wherever_the_ends_are_at_rest() -> None:
             == 0.0
         )
         rests.append(rope.state.guard.rest)
-    # the legs stretch by 0.18 m and by 0.45 m in sum; their longer loop, and the bend at the ends, are left out
+    # the legs stretch by 0.18 m and by 0.45 m in sum; their longer loop, and the bend at the ends,
+    # are left out
     assert_allclose(rests, rests[0], atol=0.01)
 
 

@@ -13,6 +13,7 @@ from scenes import hung, passed, smooth_step, wound
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
 from shared import Array, difference, rotation
+from signal_names import of_both_ends
 
 from rope_model import EndMotion, Layout, Mesh, Model, Rope, Scene, Solver, Swivel, balance_rope
 from rope_model.parameters import Attachment, SwivelMode
@@ -21,7 +22,8 @@ from rope_model.physics.element import element_functions
 from rope_model.physics.initial_curvature import START, curvature_components, curvature_vectors
 from rope_model.reference.statics import find_equilibrium
 
-BENT, ELEMENT = curved_functions(), element_functions()
+BENT = curved_functions()
+ELEMENT = element_functions()
 #: the elements are the beginning of this rope
 SET = Rope(
     length=3.0,
@@ -45,7 +47,8 @@ def frame(q: Array, l: float) -> Array:
 
 def element_state(seed: int) -> tuple[Array, float]:
     """An element that is bent, twisted and stretched; its left end hangs down."""
-    chance, l = np.random.default_rng(seed), 1.3
+    chance = np.random.default_rng(seed)
+    l = 1.3
     slopes = np.array([[0.0, -1.02, 0.0], [0.3, -0.9, 0.2]]) + np.array(
         [[0.0], [0.1]]
     ) * chance.normal(size=3)
@@ -63,9 +66,11 @@ def energy(q: Array, l: float, F: Array, C: Array) -> float:
 @pytest.mark.parametrize("seed", range(4))
 def test_force_and_tangent_are_derivatives_of_the_energy(seed: int) -> None:
     reference, l = element_state(seed)
-    F, C = frame(reference, l), numbers(reference, l)
+    F = frame(reference, l)
+    C = numbers(reference, l)
     q = reference + 0.2 * np.random.default_rng(seed + 10).normal(size=14)
-    R, J = np.array(BENT.residual(q, l, F, C)).ravel(), np.array(BENT.tangent(q, l, F, C, 1.0))
+    R = np.array(BENT.residual(q, l, F, C)).ravel()
+    J = np.array(BENT.tangent(q, l, F, C, 1.0))
     assert_allclose(R, difference(lambda x: energy(x, l, F, C), q), atol=1e-8)
     assert_allclose(
         J, difference(lambda x: np.array(BENT.residual(x, l, F, C)).ravel(), q), atol=1e-8
@@ -101,8 +106,10 @@ def test_the_energy_stays_when_the_present_shape_becomes_the_reference() -> None
     """But for what three Gauss points leave, per length and step: it falls with the sixth power of the length."""
     changes = []
     for l in (1.0, 0.5, 0.25):
-        reference, q = on_a_curve(l, 0.0), on_a_curve(l, 0.01)
-        F, C = frame(reference, l), numbers(reference, l)
+        reference = on_a_curve(l, 0.0)
+        q = on_a_curve(l, 0.01)
+        F = frame(reference, l)
+        C = numbers(reference, l)
         now = q.copy()
         now[13] += np.array(ELEMENT.transport(q, 0 * q, 0 * q, l, F)).ravel()[0]
         changes.append(abs(energy(now, l, frame(now, l), numbers(now, l)) - energy(q, l, F, C)) / l)
@@ -112,12 +119,12 @@ def test_the_energy_stays_when_the_present_shape_becomes_the_reference() -> None
 
 def arc(elements: int, k: float, length: float) -> Array:
     """q of a rod bent to a circle, from the origin down, to where the loop of a rope bends."""
-    s, q = np.linspace(0.0, length, elements + 1), np.zeros((elements + 1, 7))
-    q[:, 0], q[:, 1] = (
-        0.5 * k * s**2 * np.sinc(0.5 * k * s / np.pi) ** 2,
-        -s * np.sinc(k * s / np.pi),
-    )
-    q[:, 3], q[:, 4] = np.sin(k * s), -np.cos(k * s)
+    s = np.linspace(0.0, length, elements + 1)
+    q = np.zeros((elements + 1, 7))
+    q[:, 0] = 0.5 * k * s**2 * np.sinc(0.5 * k * s / np.pi) ** 2
+    q[:, 1] = -s * np.sinc(k * s / np.pi)
+    q[:, 3] = np.sin(k * s)
+    q[:, 4] = -np.cos(k * s)
     return q
 
 
@@ -127,11 +134,15 @@ ROD = Rope(length=2.0, Qb=0.0, Qc=0.0, EI=300.0, initial_curvature=0.4)
 @pytest.mark.parametrize("part", [0.0, 0.25, 0.5, 1.0])
 def test_a_bent_rod_that_is_turned_about_itself_stores_the_closed_form(part: float) -> None:
     """Half a turn of all sections costs 2 EI k k0 L; the torques of all nodes are its slope."""
-    k, k0, L, turn = 0.5, ROD.initial_curvature, ROD.length, math.pi * part
+    k = 0.5
+    k0 = ROD.initial_curvature
+    L = ROD.length
+    turn = math.pi * part
     q = arc(4, k, L)
     q[:, 6] = turn
     rod = CurvedRod.of_rope(ROD, q, nothing_held(q))
-    R, bending = rod.residual(q, 0 * q, 0 * q), rod.bending(q)
+    R = rod.residual(q, 0 * q, 0 * q)
+    bending = rod.bending(q)
     # a cubic of 0.5 m bent by 0.25 rad errs by (k l)^4 / 720 = 5e-6 of its curvature
     assert bending == pytest.approx(
         0.5 * ROD.EI * L * (k * k + k0 * k0 - 2 * k * k0 * math.cos(turn)), abs=1e-3
@@ -142,11 +153,12 @@ def test_a_bent_rod_that_is_turned_about_itself_stores_the_closed_form(part: flo
 @pytest.mark.slow
 def test_a_straight_rod_that_is_let_go_closes_to_a_ring() -> None:
     rope = replace(ROD, length=math.pi, initial_curvature=2.0)
-    q, held = arc(12, 0.0, rope.length), np.zeros((13, 7), dtype=bool)
+    q = arc(12, 0.0, rope.length)
+    held = np.zeros((13, 7), dtype=bool)
     held[0, [0, 1, 2, 3, 5, 6]] = True
     found = find_equilibrium(CurvedRod.of_rope(rope, q, held), q).q
-    # a cubic that turns by x = 2 pi / 12 errs by x^4 / 720 = 1e-4 of it, in twelve elements by 6.6e-4; the stretch adds
-    # as much
+    # a cubic that turns by x = 2 pi / 12 errs by x^4 / 720 = 1e-4 of it, in twelve elements by
+    # 6.6e-4; the stretch adds as much
     assert_allclose(found[-1, :6], found[0, :6], atol=2e-3)
     assert_allclose(found[:, 6], 0.0, atol=1e-9)
 
@@ -159,11 +171,9 @@ def test_a_straight_rod_that_is_let_go_takes_a_curvature_that_varies_along_it(
     meshes: tuple[int, ...], within: float
 ) -> None:
     """Its sections turn as the curvature says, d1 and -d2 being e1 and e2 of the clamp; the error falls with h^2."""
-    ends, names, at = (
-        np.array([[0.9, 0.1, 0.7], [-0.5, 0.3, 0.6]]),
-        ("left", "middle", "right"),
-        np.arange(7) / 6,
-    )
+    ends = np.array([[0.9, 0.1, 0.7], [-0.5, 0.3, 0.6]])
+    names = ("left", "middle", "right")
+    at = np.arange(7) / 6
     varying = {f"curvature_{name}": float(x) - 0.4 for name, x in zip(names, ends[0], strict=True)}
     varying |= {
         f"curvature_{name}_across": float(y) for name, y in zip(names, ends[1], strict=True)
@@ -191,7 +201,8 @@ def test_a_straight_rod_that_is_let_go_takes_a_curvature_that_varies_along_it(
     tip = solve_ivp(rates, (0.0, rope.length), start, rtol=1e-9, atol=1e-9, max_step=0.1).y[:3, -1]
     errors = []
     for elements in meshes:
-        q, held = arc(elements, 0.0, rope.length), np.zeros((elements + 1, 7), dtype=bool)
+        q = arc(elements, 0.0, rope.length)
+        held = np.zeros((elements + 1, 7), dtype=bool)
         held[0, [0, 1, 2, 3, 5, 6]] = True
         errors.append(
             float(
@@ -228,8 +239,10 @@ BEND = Rope(
 
 def bend_tip(elements: int, load: float) -> Array:
     q = arc(elements, 0.01, BEND.length)
-    held, loads = np.zeros(q.shape, dtype=bool), np.zeros(q.shape)
-    held[0, [0, 1, 2, 3, 5, 6]], loads[-1, 2] = True, load
+    held = np.zeros(q.shape, dtype=bool)
+    loads = np.zeros(q.shape)
+    held[0, [0, 1, 2, 3, 5, 6]] = True
+    loads[-1, 2] = load
     return find_equilibrium(CurvedRod.of_rope(BEND, q, held, loads), q).q[-1, :3]
 
 
@@ -237,7 +250,8 @@ def rod_tip(load: float, shear: float = 0.0) -> Array:
     """The same by shooting from the clamp: moments m, r x force, sections D (d3: tangent); ``shear`` in 1/N."""
 
     def rates(s: float, y: Array) -> Array:
-        D, m = y[3:12].reshape(3, 3), y[12:]
+        D = y[3:12].reshape(3, 3)
+        m = y[12:]
         force = np.array([0.0, 0.0, load])
         bend = D @ m / np.array([BEND.EI, BEND.EI, BEND.Qd]) + np.array(
             [BEND.initial_curvature, 0.0, 0.0]
@@ -257,8 +271,9 @@ def rod_tip(load: float, shear: float = 0.0) -> Array:
     return end(found.x)[:3]
 
 
-#: tip of the 45 degree bend, without the sense of the axes, from K.-J. Bathe and S. Bolourchi, Int. J. Numer. Methods
-#: Eng. 14 (1979), and J. C. Simo and L. Vu-Quoc, Comput. Methods Appl. Mech. Eng. 58 (1986)
+#: tip of the 45 degree bend, without the sense of the axes, from K.-J. Bathe and S. Bolourchi, Int.
+#: J. Numer. Methods Eng. 14 (1979), and J. C. Simo and L. Vu-Quoc, Comput. Methods Appl. Mech. Eng.
+#: 58 (1986)
 PUBLISHED = {
     300.0: ((22.5, 59.2, 39.5), (22.33, 58.84, 40.08)),
     600.0: ((15.9, 47.2, 53.4), (15.79, 47.23, 53.37)),
@@ -295,10 +310,12 @@ def uncoupled(angle: float, k0: float = K0) -> Scene:
 
 def test_in_its_plane_a_clamped_rope_only_takes_the_moment() -> None:
     """The work of a uniform moment goes with the turn from end to end, which clamps fix."""
-    straight, curved = hung(balance_rope(uncoupled(0.0, 0.0))), hung(balance_rope(uncoupled(0.0)))
+    straight = hung(balance_rope(uncoupled(0.0, 0.0)))
+    curved = hung(balance_rope(uncoupled(0.0)))
     # three Gauss points integrate the curvature of elements of 1 m to 1e-5 of the turn
     assert_allclose(curved.state.motion.q, straight.state.motion.q, atol=2e-5)
-    now, before = curved.signals(), straight.signals()
+    now = curved.signals()
+    before = straight.signals()
     moment = K0 * curved.scene.rope.EI
     assert now["left.mz"] - before["left.mz"] == pytest.approx(-moment, rel=1e-4)
     assert now["right.mz"] - before["right.mz"] == pytest.approx(moment, rel=1e-4)
@@ -331,7 +348,8 @@ def test_a_transformed_mesh_keeps_the_direction() -> None:
     tmn = passed(of.with_(mesh=Mesh("tmn", coarse_length=0.25), solver=solver), 120)
     eem = passed(of.with_(mesh=Mesh("eem", elements=80), solver=solver), 120)
     assert tmn.state.counts.transformations >= 1
-    one, other = tmn.signals(), eem.signals()
+    one = tmn.signals()
+    other = eem.signals()
     for name in ("left.my", "right.my", "loop.yaw"):
         assert one[name] == pytest.approx(other[name], rel=0.01), name
     energy = tmn.state.energy_balance
@@ -340,8 +358,10 @@ def test_a_transformed_mesh_keeps_the_direction() -> None:
 
 def end_about_vertical(end: EndMotion, x0: float, angle: float) -> EndMotion:
     """Return the ``end``, whose nominal point is at ``x0`` (m), of a hoist turned by ``angle`` (rad) about Y."""
-    c, s = math.cos(angle), math.sin(angle)
-    x, lean = x0 + end.x, end.lean
+    c = math.cos(angle)
+    s = math.sin(angle)
+    x = x0 + end.x
+    lean = end.lean
     return replace(
         end,
         x=x * c + end.z * s - x0,
@@ -367,21 +387,24 @@ ATTACHMENTS: tuple[tuple[Attachment, SwivelMode, EndMotion, EndMotion], ...] = (
 def test_a_curved_rope_turned_about_the_vertical_loads_its_ends_alike(
     attachment: Attachment, mode: SwivelMode, left: EndMotion, right: EndMotion
 ) -> None:
-    held, angle = Swivel(mode=mode, attachment=attachment), 1.2
-    of, loads = LEANING.with_(left=held, right=held), []
+    held = Swivel(mode=mode, attachment=attachment)
+    angle = 1.2
+    of = LEANING.with_(left=held, right=held)
+    loads = []
     for turned in (0.0, angle):
         side = 0.5 * of.layout.spacing
         ends = end_about_vertical(left, -side, turned), end_about_vertical(right, side, turned)
         found = hung(balance_rope(of), *ends).signals()
-        vectors = (
-            (found[f"{name}{axis}"] for axis in "xyz")
-            for name in ("left.f", "left.m", "right.f", "right.m")
-        )
-        c, s = math.cos(turned), math.sin(turned)
+        names = (*of_both_ends("fx", "fy", "fz"), *of_both_ends("mx", "my", "mz"))
+        vectors = np.array([found[name] for name in names]).reshape(4, 3)
+        c = math.cos(turned)
+        s = math.sin(turned)
         loads.append([(x * c - z * s, y, x * s + z * c) for x, y, z in vectors])
-    # a locked hinge also keeps a twist of 1e-5 rad from the way on which the search for the equilibrium turned it, with
-    # and without curvature; the others differ by rounding
-    within = 1e-4 if (attachment, mode) == ("hinged", "locked") else 1e-8
+    # a locked hinge also keeps a twist of 1e-5 rad from the way on which the search for the
+    # equilibrium turned it, with and without curvature; the others differ by rounding
+    within = 1e-8
+    if (attachment, mode) == ("hinged", "locked"):
+        within = 1e-4
     assert_allclose(loads[1], loads[0], rtol=0, atol=within * float(np.abs(loads[0]).max()))
 
 
@@ -393,14 +416,17 @@ def test_no_energy_appears_where_the_left_end_of_a_curved_rope_turns(
 
     def ends(t: float) -> tuple[EndMotion, EndMotion]:
         x, v, a = smooth_step(t, 0.0, 1.0)
-        turn, size = 4.0 * x, 0.4 * x if attachment == "clamped" else 0.0
-        lean, lean_z = size * math.cos(turn), size * math.sin(turn)
+        turn = 4.0 * x
+        size = 0.4 * x * (attachment == "clamped")
+        lean = size * math.cos(turn)
+        lean_z = size * math.sin(turn)
         return EndMotion(z=0.5 * x, vz=0.5 * v, az=0.5 * a, lean=lean, lean_z=lean_z), EndMotion(
             y=x, vy=v, ay=a
         )
 
     def residual_share(k0: float) -> float:
-        held, rope = Swivel(attachment=attachment), replace(LEANING.rope, initial_curvature=k0)
+        held = Swivel(attachment=attachment)
+        rope = replace(LEANING.rope, initial_curvature=k0)
         wound_up = wound(balance_rope(LEANING.with_(rope=rope, left=held, right=held)), ends, 120)
         balance = wound_up.state.energy_balance
         return abs(balance.residual) / balance.work_ends

@@ -96,7 +96,8 @@ def test_a_motion_that_fits_is_met_exactly() -> None:
 
 def test_a_position_that_does_not_fit_is_drawn_in_like_a_critically_damped_observer() -> None:
     """x = d (1 - (1 + w t) exp(-w t)) after a jump of d."""
-    w, d = 2.0, 0.1
+    w = 2.0
+    d = 0.1
     end = Follower(settings=usual_manner(bandwidth=w))
     for k in range(1, 301):
         end.step(k * H, EndMotion(y=d))
@@ -119,11 +120,13 @@ def test_the_default_bandwidth_balances_what_is_asked_of_loop_and_forces() -> No
 )
 def test_an_estimated_acceleration_lags_as_its_filter_does(trusted: Trusted, order: int) -> None:
     """By n J / W behind an acceleration of the rate J."""
-    jerk, bandwidth = 0.5, 20.0
+    jerk = 0.5
+    bandwidth = 20.0
     end = Follower(settings=usual_manner(trusted, estimate=bandwidth))
     for k in range(1, 1001):
         t = 0.001 * k
-        y, v = jerk * t**3 / 6, jerk * t**2 / 2
+        y = jerk * t**3 / 6
+        v = jerk * t**2 / 2
         given = {
             "position_speed": EndMotion(y=y, vy=v),
             "position": EndMotion(y=y),
@@ -204,9 +207,8 @@ def test_a_sample_of_a_moving_end_that_comes_again_is_extrapolated_and_counted()
     sample = EndMotion(y=0.0, vy=0.0, ay=0.5)
     for k in range(1, 201):
         t = k * H
-        sample = (
-            EndMotion(y=0.25 * t * t, vy=0.5 * t, ay=0.5, lean=0.1 * t) if k % 4 == 1 else sample
-        )
+        if k % 4 == 1:
+            sample = EndMotion(y=0.25 * t * t, vy=0.5 * t, ay=0.5, lean=0.1 * t)
         end.step(t, sample)
         assert end.path.lean_motion(t)[0][0] == pytest.approx(0.1 * t, abs=1e-12)
         assert end.path.motion(t)[0][1] == pytest.approx(0.25 * t * t, abs=1e-6)
@@ -220,7 +222,9 @@ def test_a_position_alone_that_comes_again_is_no_sample_unless_the_end_has_stopp
     h: float, a: float
 ) -> None:
     """Each is sent three times at 4 m/s; then the end brakes with a and stands."""
-    end, speed, whole = Follower(settings=usual_manner("position")), 4.0, 3.0
+    end = Follower(settings=usual_manner("position"))
+    speed = 4.0
+    whole = 3.0
     brakes = whole + speed / a
 
     def y(t: float) -> float:
@@ -234,7 +238,9 @@ def test_a_position_alone_that_comes_again_is_no_sample_unless_the_end_has_stopp
         )
 
     for k in range(1, round((brakes + 2.0) / h)):
-        sent = k if k * h > whole else 3 * (k // 3)
+        sent = 3 * (k // 3)
+        if k * h > whole:
+            sent = k
         end.step(k * h, EndMotion(y=y(sent * h)))
         if k == round(whole / h):
             counted = end.filter.repeats
@@ -298,7 +304,8 @@ def test_the_bounds_on_refusals_are_parameters() -> None:
 
 
 def test_a_signal_that_stands_still_is_refused() -> None:
-    rope, k = hung(balance_rope(SCENE), right=EndMotion(y=90.0)), 1
+    rope = hung(balance_rope(SCENE), right=EndMotion(y=90.0))
+    k = 1
     while (
         status := rope.advance_to(k * H, EndMotion(vy=0.4, y=0.004), other_end(EndMotion()))
     ).valid:
@@ -310,9 +317,11 @@ def test_a_signal_that_stands_still_is_refused() -> None:
 @pytest.mark.parametrize("trusted", ["position_speed", "position", "speed"])
 def test_estimates_keep_in_uneven_steps(trusted: Trusted) -> None:
     """At 0.5 m/s^2, read at the start of steps of 5 and 10 ms in turn."""
-    end, t, acceleration = Follower(settings=usual_manner(trusted)), 0.0, 0.5
+    end = Follower(settings=usual_manner(trusted))
+    t = 0.0
+    acceleration = 0.5
     for k in range(400):
-        h = 0.005 if k % 2 else 0.01
+        h = (0.01, 0.005)[k % 2]
         end.step(t + h, EndMotion(y=0.5 * acceleration * t * t, vy=acceleration * t), t)
         t += h
     assert end.path.motion(t)[0][1] == pytest.approx(0.5 * acceleration * t * t, abs=0.03)
@@ -333,7 +342,9 @@ def deep_trip(length: float, offset: float, scale: float, h: float = 0.02) -> St
     of = SCENE.with_(rope=rope, model=Model("rigid"), inputs=Inputs(given="position"))
     following = hung(balance_rope(of, "native"), right=EndMotion(y=travel))
     for k in range(1, round((stop.duration + 3.0) / h)):
-        y = scale * stop.at(k * h).position + (offset if k * h > 5.0 else 0.0)
+        y = scale * stop.at(k * h).position
+        if k * h > 5.0:
+            y += offset
         status = following.advance_to(k * h, EndMotion(y=y), EndMotion(y=travel - y))
         if not status.valid:
             break
@@ -350,10 +361,8 @@ def test_exact_positions_of_a_trip_are_taken_on_a_rope_of_any_length(length: flo
 def test_positions_that_jump_or_have_a_wrong_unit_are_refused_on_a_rope_of_any_length(
     length: float,
 ) -> None:
-    jumped, in_mm = (
-        deep_trip(length, offset=1.0, scale=1.0),
-        deep_trip(length, offset=0.0, scale=1000.0),
-    )
+    jumped = deep_trip(length, offset=1.0, scale=1.0)
+    in_mm = deep_trip(length, offset=0.0, scale=1000.0)
     assert not jumped.valid
     assert not in_mm.valid
     assert "inputs.misfit_max = 0.5" in jumped.message
@@ -364,7 +373,8 @@ def test_a_followed_motion_that_is_metres_off_is_said_in_a_deep_shaft_and_not_in
     None
 ):
     """The estimated acceleration of a stop lags behind the given motion, by more the longer the rope is."""
-    deep, short = stopped_rope(1000.0), stopped_rope(60.0)
+    deep = stopped_rope(1000.0)
+    short = stopped_rope(60.0)
     assert deep.signals()["inputs.misfit.position"] > 1.0
     assert "inputs.estimate_bandwidth" in deep.warnings()["unfit_inputs"]
     assert short.signals()["inputs.misfit.position"] < SCENE.inputs.misfit_max

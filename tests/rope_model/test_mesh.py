@@ -37,9 +37,11 @@ def nodes(p: Partition) -> Array:
 
 def kinetic_energy(x: Array, lengths: Array) -> float:
     """Of the velocities ``x``, per mass of 1 kg/m, by the element's mass."""
-    element, P = element_functions(), np.zeros(len(PARAMETERS))
+    element = element_functions()
+    P = np.zeros(len(PARAMETERS))
     P[0] = 1.0
-    energy, rest = 0.0, np.zeros(14)
+    energy = 0.0
+    rest = np.zeros(14)
     rest[[3, 10]] = 1.0
     for i, l in enumerate(lengths):
         rest[7] = l
@@ -113,7 +115,10 @@ def test_a_transformation_moves_one_element_and_back(
 ) -> None:
     assume(length > (inner_length(mesh.counts) + 3) * mesh.coarse_length)
     p = partition(mesh, length, place * length)
-    assume(p.counts[6 if direction > 0 else 0] > min_outer(mesh.counts))
+    gives = p.counts[0]
+    if direction > 0:
+        gives = p.counts[6]
+    assume(gives > min_outer(mesh.counts))
     there = transform(p, direction)
     assert there.lengths.size == p.lengths.size
     assert there.counts[1:6] == p.counts[1:6]
@@ -126,13 +131,12 @@ def test_a_transformation_moves_one_element_and_back(
     if mesh.grading_length > 0:
         return  # three may become two
     # whole elements become one, or one becomes several
-    old, new = nodes(p), nodes(there)
-    coarser, finer = (
-        {(round(a / p.coarse, 6), round(b / p.coarse, 6)) for a, b in pairwise(s)}
-        for s in (old, new)
-    )
-    for a, b in coarser ^ finer:
-        other = finer if (a, b) in coarser else coarser
+    before = {*pairwise(np.round(nodes(p) / p.coarse, 6).tolist())}
+    after = {*pairwise(np.round(nodes(there) / p.coarse, 6).tolist())}
+    for a, b in before ^ after:
+        other = before
+        if (a, b) in before:
+            other = after
         within = [x for x in other if a <= x[0] and x[1] <= b]
         around = [x for x in other if x[0] <= a and b <= x[1]]
         assert around or (
@@ -159,13 +163,17 @@ def test_elements_of_the_legs_are_as_long_as_end_and_loop_allow(
     length: float, place: float, growth: float
 ) -> None:
     p = partition(Mesh(end_levels=0, grading_length=growth), length, place * length)
-    units, first, last = p.lengths / p.coarse, p.counts[0], p.counts[6]
+    units = p.lengths / p.coarse
+    first = p.counts[0]
+    last = p.counts[6]
     s = nodes(p) / p.coarse
     for size, a, b in zip(units, s, s[1:], strict=False):
         if size > 1.0 + 1e-9:
             assert size <= tmn.LEG_LENGTHS[-1] + 1e-9
             from_end = min(a, length / p.coarse - b)
-            to_loop = first - b if b <= first + 1e-9 else a - (length / p.coarse - last)
+            to_loop = first - b
+            if b > first + 1e-9:
+                to_loop = a - (length / p.coarse - last)
             assert size <= from_end + 1e-6
             assert tmn.GRADING * (size - 1) <= to_loop + 1e-6
             assert p.coarse * size**2 <= growth * (to_loop + 1e-6)
@@ -176,7 +184,9 @@ SIDES = st.sampled_from([0, 1])
 
 
 def facing(side: int, place: float) -> tuple[float, ...]:
-    return tuple(place if k == 2 + side else math.inf for k in range(len(NO_DIVIDERS)))
+    places = [math.inf] * len(NO_DIVIDERS)
+    places[2 + side] = place
+    return tuple(places)
 
 
 @settings(max_examples=100, deadline=None)
@@ -187,17 +197,19 @@ def facing(side: int, place: float) -> tuple[float, ...]:
     side=SIDES,
 )
 def test_a_leg_is_refined_about_the_divider_that_it_faces(length, bottom, part, side) -> None:
-    mesh, place = Mesh(coarse_length=1.0), part * length
-    plain, p = (
-        partition(mesh, length, bottom * length),
-        partition(mesh, length, bottom * length, facing(side, place)),
-    )
+    mesh = Mesh(coarse_length=1.0)
+    place = part * length
+    plain = partition(mesh, length, bottom * length)
+    p = partition(mesh, length, bottom * length, facing(side, place))
     assert p.lengths.size == plain.lengths.size + tmn.WINDOW * (
         tmn.WINDOW_PARTS - 1
     )  # wherever it is
     assert p.counts == plain.counts
     assert_allclose(p.lengths.sum(), length, rtol=1e-12)
-    s, leg = nodes(p) if side == 0 else length - nodes(p)[::-1], p.counts[6 * side] * p.coarse
+    s = nodes(p)
+    if side == 1:
+        s = length - s[::-1]
+    leg = p.counts[6 * side] * p.coarse
     lengths = np.diff(s)
     # a window begins within half an l of its place
     reach = (0.5 * tmn.WINDOW - 0.5 - 1e-6) * p.coarse
@@ -226,7 +238,8 @@ def carry(x: Array, old_s: Array, new_s: Array) -> Array:
 @pytest.mark.parametrize("direction", [-1, 1])
 def test_a_transfer_reaches_no_further_than_some_elements(direction: int) -> None:
     p = partition(Mesh(), 120.0, 60.0)
-    old_s, new_s = nodes(p), nodes(transform(p, direction))
+    old_s = nodes(p)
+    new_s = nodes(transform(p, direction))
     x = np.random.default_rng(1).normal(size=(old_s.size, 7))
     change = np.abs(carry(x, old_s, new_s) - interpolate(x, old_s, new_s)).max(axis=1)
     merged = 0.5 * (new_s[:-1] + new_s[1:])[np.diff(np.searchsorted(old_s + 1e-9, new_s)) > 1]
@@ -245,7 +258,8 @@ def test_the_engine_transfers_what_the_reference_does(
 ) -> None:
     """By banded normal equations on one side, by a least-squares fit on the other."""
     old = partition(Mesh(grading_length=growth), 120.0, 50.0)
-    old_s, new_s = nodes(old), nodes(transform(old, direction))
+    old_s = nodes(old)
+    new_s = nodes(transform(old, direction))
     fields = np.random.default_rng(1).normal(size=(2, old_s.size, 7))
     expected = transferred(fields, old_s, new_s)
     work = np.empty(14 * len(fields) * new_s.size + 10 * new_s.size)  # as in transfer.h
@@ -257,7 +271,8 @@ def test_the_engine_transfers_what_the_reference_does(
 
 def test_a_split_reproduces_the_element() -> None:
     rng = np.random.default_rng(3)
-    s, halves = np.array([0.0, 1.7, 3.0]), np.array([0.0, 0.85, 1.7, 2.35, 3.0])
+    s = np.array([0.0, 1.7, 3.0])
+    halves = np.array([0.0, 0.85, 1.7, 2.35, 3.0])
     x = rng.normal(size=(3, 7))
     split = carry(x, s, halves)
     assert_allclose(split, interpolate(x, s, halves), rtol=0, atol=1e-13)
@@ -269,12 +284,17 @@ def test_a_split_reproduces_the_element() -> None:
 def test_the_interpolation_is_the_elements_own_cubic() -> None:
     s = np.array([0.0, 2.0])
     c = np.random.default_rng(4).normal(size=(4, 3))
-    powers, rates = (
-        (lambda z: z[:, None] ** [0, 1, 2, 3]),
-        (lambda z: z[:, None] ** [0, 0, 1, 2] * [0, 1, 2, 3]),
-    )
+
+    def powers(z: Array) -> Array:
+        return z[:, None] ** [0, 1, 2, 3]
+
+    def rates(z: Array) -> Array:
+        return z[:, None] ** [0, 0, 1, 2] * [0, 1, 2, 3]
+
     x = np.zeros((2, 7))
-    x[:, POSITION], x[:, SLOPE], x[:, ANGLE] = powers(s) @ c, rates(s) @ c, [1.0, 5.0]
+    x[:, POSITION] = powers(s) @ c
+    x[:, SLOPE] = rates(s) @ c
+    x[:, ANGLE] = [1.0, 5.0]
     at = np.linspace(0.0, 2.0, 9)
     y = interpolate(x, s, at)
     assert_allclose(y[:, POSITION], powers(at) @ c, atol=1e-13)
@@ -307,25 +327,27 @@ def test_what_a_transfer_loses_is_orthogonal_to_every_new_field(
 def test_a_merge_errs_with_the_fourth_power_of_the_length() -> None:
     lost = []
     for elements in (8, 16, 32):
-        s, merged = np.linspace(0.0, 6.0, 2 * elements + 1), np.linspace(0.0, 6.0, elements + 1)
-        v, k = np.zeros((s.size, 7)), 2 * np.pi / 9.0
+        s = np.linspace(0.0, 6.0, 2 * elements + 1)
+        merged = np.linspace(0.0, 6.0, elements + 1)
+        v = np.zeros((s.size, 7))
+        k = 2 * np.pi / 9.0
         for i, (waves, phase) in enumerate(((1.0, 0.3), (2.0, 1.1), (1.5, 2.0))):
-            v[:, i], v[:, 3 + i] = (
-                np.sin(waves * k * s + phase),
-                waves * k * np.cos(waves * k * s + phase),
-            )
+            v[:, i] = np.sin(waves * k * s + phase)
+            v[:, 3 + i] = waves * k * np.cos(waves * k * s + phase)
         v[:, ANGLE] = np.cos(k * s)
         lost.append(
             kinetic_energy(interpolate(carry(v, s, merged), merged, s) - v, np.diff(s)) ** 0.5
         )
     assert_allclose(np.log2(np.array(lost[:-1]) / lost[1:]), 4.0, atol=0.3)
-    # at the middle of an element Hermite interpolation misses the fourth derivative times l^4/384; waves of 4.5 to 9 m
+    # at the middle of an element Hermite interpolation misses the fourth derivative times l^4/384;
+    # waves of 4.5 to 9 m
     assert lost[-1] < 2 * 6.0**0.5 * (2 * np.pi / 4.5 * 6.0 / 32) ** 4 / 384
 
 
 def uncoupled(name: str) -> Scene:
     scene = rope_scene(find_case(name).rope)
-    locked, rope = Swivel(mode="locked"), replace(scene.rope, Qb=0.0, Qc=0.0)
+    locked = Swivel(mode="locked")
+    rope = replace(scene.rope, Qb=0.0, Qc=0.0)
     return scene.with_(
         rope=rope, left=locked, right=locked, solver=fixed_steps(0.01), model=Model("planar")
     )
@@ -336,16 +358,15 @@ def uncoupled(name: str) -> Scene:
 def test_joined_elements_of_a_deep_shaft_move_the_loop_by_less_than_the_mesh_may_err(
     travel: float,
 ) -> None:
-    scene, asked, reference = (
-        uncoupled("monopol-1000"),
-        5e-3,
-        s_curve(Winding(travel=travel, speed=8.0)),
-    )
+    scene = uncoupled("monopol-1000")
+    asked = 5e-3
+    reference = s_curve(Winding(travel=travel, speed=8.0))
     auto = fit_mesh(scene.with_(mesh=Mesh("auto", loop_error=asked)))
     assert auto.grading_length > 0
     ropes = [
         balance_rope(scene.with_(mesh=mesh)) for mesh in (auto, replace(auto, grading_length=0.0))
     ]
-    motion, steps = partial(ends_at, reference, travel), round(reference.duration / 0.01)
+    motion = partial(ends_at, reference, travel)
+    steps = round(reference.duration / 0.01)
     one, other = (recorded(rope, motion, steps, ("loop.x", "loop.y", "loop.z")) for rope in ropes)
     assert np.linalg.norm(one - other, axis=1)[24::25].max() < 0.5 * asked

@@ -33,10 +33,12 @@ from rope_model.solver_parameters import FidelityChoice, Inputs, Model
 
 Ends = tuple[EndMotion, EndMotion]
 
-MESSAGE, ROUNDING = 512, 1e-12
+MESSAGE = 512
+ROUNDING = 1e-12
 #: the codes of the fidelities
 FIDELITY_NAMES = get_args(FidelityChoice)
-FREE, RELEASED = Swivel(mode="free"), Swivel(mode="free", release_time=20.0)
+FREE = Swivel(mode="free")
+RELEASED = Swivel(mode="free", release_time=20.0)
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +89,7 @@ def test_an_end_out_of_bounds_is_refused_by_its_name_and_bound(side: str, name: 
     for value in (math.nan, math.inf, -math.inf, -100000.25, 1.234567e9):
         said = refusal(Scene(), EndMotion(**{name: value}), NO_MEASURES, side)
         assert f"{side}.{name} = " in said
-        assert "not finite" in said if not math.isfinite(value) else "beyond" in said
+        assert ("beyond" if math.isfinite(value) else "not finite") in said
     if not name.startswith("lean"):  # for clamps alone
         for value in (bound, -bound, 0.5 * bound):
             assert refusal(Scene(), EndMotion(**{name: value}), NO_MEASURES, side) == ""
@@ -98,7 +100,9 @@ def test_an_end_out_of_bounds_is_refused_by_its_name_and_bound(side: str, name: 
 @pytest.mark.parametrize("name", ["x", "y", "z", "yaw", "vx", "vy", "vz", "yaw_rate"])
 def test_a_motion_that_does_not_fit_together_is_refused_with_the_bound(name: str) -> None:
     # a yaw's acceleration is not given, but follows from its rate
-    bound = "acceleration_max" if name == "yaw_rate" else "misfit_max"
+    bound = "misfit_max"
+    if name == "yaw_rate":
+        bound = "acceleration_max"
     told = []
     for value in (0.001, 0.4321, 0.6, 50.0):
         target = EndMotion(**{name: value})
@@ -116,7 +120,8 @@ def test_an_acceleration_that_is_too_large_is_refused() -> None:
 
 
 def test_a_signal_that_stands_still_for_longer_than_it_may_is_refused() -> None:
-    inputs, end_filter = Inputs(), InputFilter(given_at=1.0, steps_held=7.0)
+    inputs = Inputs()
+    end_filter = InputFilter(given_at=1.0, steps_held=7.0)
     latest = 1.0 + inputs.hold_max
     assert stale_input_error(inputs, 0.5 * (1.0 + latest), end_filter, "right") == ""
     said = stale_input_error(inputs, latest + 0.5, end_filter, "right")
@@ -131,9 +136,8 @@ def with_values(scene: Scene, values: dict[str, float]) -> SceneStructure:
         if groups[-1] == "swivel":
             group = structure.swivels[SIDES.index(groups[0])]
         else:
-            group = getattr(
-                structure.shaft if groups[0] in PARTS_OF_SHAFT else structure, groups[0]
-            )
+            parent = structure.shaft if groups[0] in PARTS_OF_SHAFT else structure
+            group = getattr(parent, groups[0])
         if field.startswith("counts"):
             group.counts[int(field[-2]) - 1] = value
         else:
@@ -183,7 +187,8 @@ INTEGERS = (-2147483648, -1, 0, 1, 2, 3, 4, 5, 6, 8, 9, 20000, 20001)
 @pytest.mark.parametrize("name", sorted(PARAMETERS))
 def test_parameter_out_of_range_is_refused_with_the_same_message(native: Any, name: str) -> None:
     refused = 0
-    for value in REALS if isinstance(PARAMETERS[name], float) else INTEGERS:
+    values = REALS if isinstance(PARAMETERS[name], float) else INTEGERS
+    for value in values:
         message = message_of(PARAMETERS | {name: value})
         assert text_of(native.check_scene, ct.byref(with_values(Scene(), {name: value}))) == message
         refused += bool(message)
@@ -228,7 +233,8 @@ ENDS: tuple[Ends, ...] = (
 
 
 def assert_same_fidelities(native: Any, scene: Scene, ends: Ends, forces: int = 0) -> None:
-    structure, c_ends = scene_structure(scene), ends_of(ends)
+    structure = scene_structure(scene)
+    c_ends = ends_of(ends)
     choice = choose_fidelity(scene, ends, forces)
     reason = ct.create_string_buffer(MESSAGE)
     assert (

@@ -27,7 +27,8 @@ hangings = st.tuples(
 def hang(
     spacing: float, height: float, z: float, coarse: float, length: float
 ) -> tuple[Array, Array, Array]:
-    left, right = np.array([-0.5 * spacing, height, z]), np.array([0.5 * spacing, 0.0, -z])
+    left = np.array([-0.5 * spacing, height, z])
+    right = np.array([0.5 * spacing, 0.0, -z])
     cells = partition(
         Mesh(coarse_length=coarse, counts=(2, 4, 8, 4, 2)), length, 0.5 * (length + height)
     )
@@ -37,7 +38,8 @@ def hang(
 def sway(hanging: tuple[float, ...], seed: int) -> tuple[Array, Array, Array]:
     """Configuration, element lengths and nodes of a rope that hangs crooked, its legs perhaps crossed."""
     s, left, right = hang(*hanging)
-    q, random = hanging_guess(s, left, right), np.random.default_rng(seed)
+    q = hanging_guess(s, left, right)
+    random = np.random.default_rng(seed)
     q[:, 0] += random.normal() * np.sin(3 * s / s[-1])
     q[:, 2] += random.normal() * np.sin(5 * s / s[-1])
     q += 0.01 * random.normal(size=q.shape)
@@ -52,7 +54,8 @@ def test_the_lowest_point_is_where_the_centre_line_is_level(
     """The reference finds it among the roots of r'_Y, the engine by a parabola through samples."""
     assume(hanging[-1] > 15 * hanging[3])
     q, lengths, s = sway(hanging, seed)
-    bottom, expected = loop_bottom(q, lengths), lowest_point(q, s)
+    bottom = loop_bottom(q, lengths)
+    expected = lowest_point(q, s)
     node = int(np.clip(np.argmin(q[:, 1]), 1, s.size - 2))
     samples = np.linspace(s[node - 1], s[node + 1], FINE)
     h = samples[1] - samples[0]
@@ -68,16 +71,18 @@ def tangle(kind: str, seed: int) -> tuple[Array, Array]:
     """Configuration and element lengths of a rope that hangs as none should."""
     random = np.random.default_rng(seed)
     lengths = random.uniform(0.2, 2.0, random.integers(4, 60))
-    s, width, q = (
-        arc_lengths(lengths),
-        10.0 ** random.uniform(-2, 1),
-        np.zeros((lengths.size + 1, 7)),
-    )
+    s = arc_lengths(lengths)
+    width = 10.0 ** random.uniform(-2, 1)
+    q = np.zeros((lengths.size + 1, 7))
     along = s - random.uniform(0.2, 0.8) * s[-1]
-    q[:, 0], q[:, 1], q[:, 4] = 0.5 * width * np.tanh(along / width), abs(along), np.sign(along)
+    q[:, 0] = 0.5 * width * np.tanh(along / width)
+    q[:, 1] = abs(along)
+    q[:, 4] = np.sign(along)
     if kind == "wound":
-        turned, x = random.uniform(0.0, 25.0) * abs(along) / s[-1], q[:, 0].copy()
-        q[:, 0], q[:, 2] = x * np.cos(turned), x * np.sin(turned)
+        turned = random.uniform(0.0, 25.0) * abs(along) / s[-1]
+        x = q[:, 0].copy()
+        q[:, 0] = x * np.cos(turned)
+        q[:, 2] = x * np.sin(turned)
     elif kind == "slack":
         q[:, :6] += 10.0 ** random.uniform(-3, 1) * random.normal(size=(s.size, 6))
     elif kind == "touching":
@@ -92,18 +97,24 @@ def of_each_leg(
 ) -> tuple[Array, Array] | None:
     """Points of both legs, from the bottom upwards, from where each first reaches this height over it (m)."""
     points = shape(q, lengths, bottom.s, LOOP, OUTLINE)
-    middle, height = len(points) // 2, bottom.position[1] + above
+    middle = len(points) // 2
+    height = bottom.position[1] + above
     legs = []
     for leg in (points[middle::-1], points[middle:]):
         high = leg[:, 1] >= height
         if not high.any():
             return None
         i = int(np.argmax(high))
-        below, first = leg[max(i - 1, 0)], leg[i]
+        below = leg[max(i - 1, 0)]
+        first = leg[i]
         rise = first[1] - below[1]
-        part = (height - below[1]) / rise if rise > 0 else 1.0
+        part = 1.0
+        if rise > 0:
+            part = (height - below[1]) / rise
         legs.append(np.vstack((below + part * (first - below), leg[i + (part >= 1.0) :])))
-    return (legs[0], legs[1]) if min(map(len, legs)) >= 2 else None
+    if min(map(len, legs)) < 2:
+        return None
+    return legs[0], legs[1]
 
 
 def distance(points: Array, line: Array) -> float:
@@ -112,7 +123,8 @@ def distance(points: Array, line: Array) -> float:
     return math.sqrt(squared_distance(points.T[:, :, None], *pieces).min())
 
 
-LOOP, DIAMETER = 4.0, 0.044
+LOOP = 4.0
+DIAMETER = 0.044
 
 
 @pytest.mark.parametrize("kind", ["wound", "slack", "touching", "folded"])
@@ -123,7 +135,8 @@ def test_the_clearance_of_legs_is_the_least_of_all_their_distances(
     seen = 0
     for seed in range(30):
         q, lengths = tangle(kind, seed)
-        bottom, s = loop_bottom(q, lengths), arc_lengths(lengths)
+        bottom = loop_bottom(q, lengths)
+        s = arc_lengths(lengths)
         top = q[:, 1].max() - bottom.position[1]
         # just below the lower leg's top it has two points
         for above in (0.0, 0.3 * top, 0.999 * min(q[0, 1], q[-1, 1]) - 0.999 * bottom.position[1]):
@@ -146,9 +159,12 @@ def test_legs_apart_are_not_turned(
     parts: SimpleNamespace, hanging: tuple[float, ...], seed: int, size: float
 ) -> None:
     assume(hanging[-1] > 15 * hanging[3])
-    still, (q, lengths, s) = hanging_guess(*hang(*hanging)), sway(hanging, seed)
+    still = hanging_guess(*hang(*hanging))
+    q, lengths, s = sway(hanging, seed)
     q = still + size * (q - still)
-    line, diameter, above = ends_yaw(q), 0.05, hanging[3]
+    line = ends_yaw(q)
+    diameter = 0.05
+    above = hanging[3]
     if apart(parts, q, lengths, s, diameter, above):
         bottom = loop_bottom(q, lengths)
         assert (
@@ -160,12 +176,19 @@ def test_legs_apart_are_not_turned(
 
 def test_legs_that_touch_between_their_nodes_are_not_told_apart(parts: SimpleNamespace) -> None:
     """Straight legs 1 m apart, and an element of each that bulges by phi l / 4 towards the other."""
-    s, phi, q = np.linspace(0.0, 120.0, 17), 0.3, np.zeros((17, 7))
+    s = np.linspace(0.0, 120.0, 17)
+    phi = 0.3
+    q = np.zeros((17, 7))
     lengths = np.diff(s)
-    q[9:, 0], q[:, 1], q[:8, 4], q[9:, 4] = 1.0, -np.minimum(s, 120.0 - s), -1.0, 1.0
-    q[8, :2], q[7:10, 3] = (0.5, -58.0), (0.01, 0.1, 0.01)
+    q[9:, 0] = 1.0
+    q[:, 1] = -np.minimum(s, 120.0 - s)
+    q[:8, 4] = -1.0
+    q[9:, 4] = 1.0
+    q[8, :2] = (0.5, -58.0)
+    q[7:10, 3] = (0.01, 0.1, 0.01)
     assert apart(parts, q, lengths, s, 0.05, 1.0)
-    q[[3, 4], 3], q[[12, 13], 3] = (phi, -phi), (-phi, phi)
+    q[[3, 4], 3] = (phi, -phi)
+    q[[12, 13], 3] = (-phi, phi)
     at = np.linspace(0.0, 1.0, 101)
     bulges = [interpolate(q, s, s[k] + at * lengths[k])[:, :3] for k in (3, 12)]
     assert distance(*bulges) < 0.05
@@ -185,7 +208,10 @@ def test_a_rope_that_is_lowest_at_an_end_has_no_legs(parts: SimpleNamespace, low
     lengths = np.full(4, 2.5)
     s = arc_lengths(lengths)
     q = np.zeros((5, 7))
-    q[:, 1], q[:, 4] = np.abs(s - s[lowest]), 1.0 if lowest == 0 else -1.0
+    q[:, 1] = np.abs(s - s[lowest])
+    q[:, 4] = -1.0
+    if lowest == 0:
+        q[:, 4] = 1.0
     q[:, 3] = 0.1
     # it is sought up to half a sample from the end
     assert_allclose(loop_bottom(q, lengths).s, s[lowest], atol=0.1)

@@ -135,7 +135,8 @@ def test_native_rope_refuses_a_state_that_is_none_of_its_own() -> None:
 
 def test_a_refused_state_changes_nothing_and_there_is_none_before_the_start() -> None:
     scene = Scene(rope=Rope(length=60.0))
-    rope, other = NativeRope(scene), NativeRope(scene.with_(model=Model("planar")))
+    rope = NativeRope(scene)
+    other = NativeRope(scene.with_(model=Model("planar")))
     still = EndMotion(), EndMotion()
     for call in (
         lambda: rope.state,
@@ -156,10 +157,8 @@ def test_a_refused_state_changes_nothing_and_there_is_none_before_the_start() ->
 
 @pytest.mark.slow
 def test_a_rope_that_is_turned_in_for_too_long_is_refused() -> None:
-    rope, shaft = (
-        Rope(length=11.0, EI=88.0, installed_twist=99.0),
-        Shaft(lining=Lining(width=2.4, depth=0.08)),
-    )
+    rope = Rope(length=11.0, EI=88.0, installed_twist=99.0)
+    shaft = Shaft(lining=Lining(width=2.4, depth=0.08))
     said = (
         NativeRope(Scene(rope, shaft=shaft)).initialize(0.0, EndMotion(), EndMotion(y=1.0)).message
     )

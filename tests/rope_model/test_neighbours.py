@@ -27,7 +27,8 @@ from rope_model.analysis.pair_contact import Pair, Rows, rows_of
 from rope_model.physics.centreline import enclosing_box
 from rope_model.physics.contact import ONSET
 
-D, K = Rope().diameter, STIFFNESS
+D = Rope().diameter
+K = STIFFNESS
 
 
 def straight(points: Array, tangents: Array, s: Array) -> Rows:
@@ -50,21 +51,25 @@ def test_the_force_of_crossing_strings_is_the_integral_of_the_law(
     degrees: float, off: float
 ) -> None:
     """``off`` is by how much the spacing of the places shows, as it does in a rope's contact with itself."""
-    angle, gap = math.radians(degrees), 0.85 * D
-    one, other = straight(*strand(0.0, 0.0, 0.0), S), straight(*strand(angle, 0.003, gap), S)
+    angle = math.radians(degrees)
+    gap = 0.85 * D
+    one = straight(*strand(0.0, 0.0, 0.0), S)
+    other = straight(*strand(angle, 0.003, gap), S)
     found = Pair(STRINGS, STRINGS).find_contacts(one, other, np.array([1.0, 0.0]))
     assert found.force.sum(axis=0)[2] == pytest.approx(-exact_force(gap, math.sin(angle)), rel=off)
 
 
 def test_a_rope_feels_both_strands_of_the_other() -> None:
     one = straight(*strand(0.0, 0.0, 0.0), S)
-    upper, lower = strand(0.0, 0.0, 0.8 * D), strand(math.pi, 0.8 * D, 0.0)
+    upper = strand(0.0, 0.0, 0.8 * D)
+    lower = strand(math.pi, 0.8 * D, 0.0)
     other = straight(
         *(np.concatenate(x) for x in zip(upper, lower, strict=True)),
         np.array([0, 1, 2, 9, 10, 11.0]),
     )
     force = Pair(STRINGS, STRINGS).find_contacts(one, other, np.array([1.0, 0.0])).force.sum(axis=0)
-    pressed, onset = 0.2 * D, ONSET * D
+    pressed = 0.2 * D
+    onset = ONSET * D
     each = 2.0 * K * (pressed - 0.5 * onset)
     # what joins the strands goes on along them, and presses within a diameter of their ends
     assert_allclose(force, [0.0, -each, -each], atol=D * each)
@@ -77,7 +82,10 @@ def test_what_ropes_that_strike_lose_is_what_their_contact_books(h: float) -> No
     work = sum(rope.state.energy_balance.work_ends for rope in ropes)  # their ends rest
     assert account.work < -2.0
     # the ropes book by their own steps, which they may halve
-    assert work == pytest.approx(account.work, rel=0.03 if h > 0.005 else 1e-4)
+    off = 1e-4
+    if h > 0.005:
+        off = 0.03
+    assert work == pytest.approx(account.work, rel=off)
     assert account.missed < 2e-4
     assert account.work + account.energy + account.dissipated - account.made == pytest.approx(
         0.0, abs=1e-9
@@ -118,7 +126,9 @@ def test_fast_ropes_do_not_pass_through_each_other() -> None:
 
 @pytest.mark.slow
 def test_a_wind_that_presses_one_rope_on_the_other_pulls_at_both() -> None:
-    h, steps, mass = 0.02, 150, Rope().mass_per_length
+    h = 0.02
+    steps = 150
+    mass = Rope().mass_per_length
     holding = Shaft(contact=Contact(rope_stiffness=K))
     still, blown = (
         SCENE.with_(shaft=replace(holding, air=Air(1.2, vz=speed))) for speed in (0.0, 12.0)
@@ -153,7 +163,8 @@ def test_ropes_that_hang_into_each_other_are_led_apart_gently() -> None:
 
 def test_a_state_that_is_gone_back_to_leads_on_bit_by_bit() -> None:
     neighbours, ropes = striking(0.02)
-    saved, contacts = [rope.snapshot() for rope in ropes], neighbours.contacts
+    saved = [rope.snapshot() for rope in ropes]
+    contacts = neighbours.contacts
     ends = []
     for _ in range(2):
         for rope, kept in zip(ropes, saved, strict=True):

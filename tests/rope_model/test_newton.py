@@ -44,7 +44,8 @@ def test_the_error_left_by_a_wrong_derivative_is_estimated(
     tolerance: float, leaves: float, corrections: int, error: float
 ) -> None:
     """The error of x = 1, from x = 2 on, contracts by 0.2: a derivative of 1.25 instead of 1."""
-    progress, x = CProgress(contraction=leaves), 2.0
+    progress = CProgress(contraction=leaves)
+    x = 2.0
     while progress.status == NewtonStatus.TOO_MANY.code:
         correction = (1.0 - x) / 1.25
         x += correction

@@ -46,7 +46,8 @@ def test_a_hanging_rope_held_at_both_ends_has_the_torque_and_twist_of_its_weight
     rope = replace(ROPE, length=length, Qb=Qb, Qc=Qc)
     s = np.linspace(0.0, length, 61)
     q = np.zeros((s.size, 7))
-    q[:, 1], q[:, 4] = -s, -1.0
+    q[:, 1] = -s
+    q[:, 4] = -1.0
     # held against turning at both ends, lower end free to sink
     held = nothing_held(q)
     held[[0, -1]] = True
@@ -65,11 +66,14 @@ def test_a_hanging_rope_held_at_both_ends_has_the_torque_and_twist_of_its_weight
 
 def test_the_loop_yaws_and_so_relieves_the_torque_of_its_legs() -> None:
     rope = hung_up(ROPE, 0.0, right=Swivel())
-    M, D = rope.state.motion.reaction[-1, ANGLE], ROPE.Qd - ROPE.Qb * ROPE.Qc / ROPE.Qa
-    q, lengths = rope.state.motion.q, rope.state.partition.lengths
+    M = rope.state.motion.reaction[-1, ANGLE]
+    D = ROPE.Qd - ROPE.Qb * ROPE.Qc / ROPE.Qa
+    q = rope.state.motion.q
+    lengths = rope.state.partition.lengths
     at_rest = rod(lengths, np.array(parameters(ROPE, G)), nothing_held(q), q)
     twist = float(lengths @ at_rest.strains(q, 0 * q)[1])
-    # torque of the mean tension of two legs of 60 m, less what the twist takes back; the bend is 1e-3 of the weight
+    # torque of the mean tension of two legs of 60 m, less what the twist takes back; the bend is
+    # 1e-3 of the weight
     assert_allclose(M - D * twist / 120.0, 4.583, rtol=2e-3)
     # each leg is twisted by the yaw of the loop between them, which is not quite rigid
     assert_allclose(abs(twist), 2 * abs(rope.signals(["loop.yaw"])["loop.yaw"]), rtol=0.06)
@@ -101,9 +105,11 @@ def natural_modes(system: Equations, q: Array, count: int) -> Modes:
 
 
 def test_axial_and_torsional_waves_run_at_the_coupled_speeds() -> None:
-    # the printed speeds belong to rhoJ = rho d^2/8 = 1.936e-3 kg m, not to the data set's rounded 1.94e-3
+    # the printed speeds belong to rhoJ = rho d^2/8 = 1.936e-3 kg m, not to the data set's rounded
+    # 1.94e-3
     rope = replace(ROPE, rhoJ=ROPE.mass_per_length * ROPE.diameter**2 / 8)
-    length, n = 100.0, 120
+    length = 100.0
+    n = 120
     q = straight(np.linspace(0.0, length, n + 1))
     held = nothing_held(q)
     held[:, [1, 2, 4, 5]] = True
@@ -115,8 +121,11 @@ def test_axial_and_torsional_waves_run_at_the_coupled_speeds() -> None:
     assert_allclose(speeds, [1201.93, 1201.93, 1201.93, 3906.39], rtol=3e-4)
 
 
-#: element lengths of half a loop, from the end down: short where the clamp and the loop bend the rope
-END, LEG, LOOP = np.geomspace(0.1, 1.6, 9), 1.6, np.geomspace(1.6, 0.125, 10)
+#: element lengths of half a loop, from the end down: short where the clamp and the loop bend the
+#: rope
+END = np.geomspace(0.1, 1.6, 9)
+LEG = 1.6
+LOOP = np.geomspace(1.6, 0.125, 10)
 
 
 def half(length: float) -> Array:
@@ -131,7 +140,8 @@ def loop_system(rope: Rope, torque: float) -> Equations:
     """Return a rope that is held on the left and, but for turning by the ``torque`` (N m), on the right."""
     lengths = np.concatenate((half(60.0), half(60.0)[::-1]))
     values = np.zeros((lengths.size + 1, 7))
-    held, loads = nothing_held(values), np.zeros_like(values)
+    held = nothing_held(values)
+    loads = np.zeros_like(values)
     held[[0, -1]] = True
     held[[0, -1], 4] = False
     held[-1, ANGLE] = False
@@ -147,7 +157,9 @@ IN = {0.0: (0.07759, 0.11735, 0.18137, 0.24060), 80.0: (0.07244, 0.13822, 0.1954
 
 @cache
 def frequencies(height: float, theta: str) -> tuple[Array, Array]:
-    right = Swivel() if theta == "held" else Swivel(mode="free")
+    right = Swivel(mode="free")
+    if theta == "held":
+        right = Swivel()
     modes = modes_of_rope(hung_up(UNCOUPLED, height, right), 10)
     out = modes.out_of_plane > 0.5
     return modes.frequencies[out][:4], modes.frequencies[~out][:4]
@@ -163,23 +175,31 @@ def test_the_natural_frequencies_are_those_of_the_independent_models(height: flo
 
 def test_locked_swivels_raise_the_yaw_modes_by_up_to_a_third() -> None:
     held, free = (np.sort(frequencies(0.0, theta)[0]) for theta in ("held", "swivel"))
-    # modes whose legs swing together do not twist the rope and stay; where they move oppositely the loop yaws
+    # modes whose legs swing together do not twist the rope and stay; where they move oppositely the
+    # loop yaws
     swings = np.array([np.min(np.abs(held - f)) < 1e-4 * f for f in free])
     assert swings.sum() == 2
-    yawing = [x[[np.min(np.abs(f - free[swings])) > 1e-4 * f for f in x]] for x in (held, free)]
-    ratio = yawing[0] / yawing[1]
+
+    def yawing(x: Array) -> Array:
+        apart = np.abs(x[:, None] - free[swings]).min(axis=1)
+        return x[apart > 1e-4 * x]
+
+    ratio = yawing(held) / yawing(free)
     assert ratio.min() > 1.05
     assert_allclose(ratio.max(), 4 / 3, rtol=0.02)  # as printed: a third
 
 
 def test_a_torque_yaws_the_loop_and_moves_the_legs_oppositely() -> None:
-    torque, aside, degrees = 4.58, 0.1537, 5.64
+    torque = 4.58
+    aside = 0.1537
+    degrees = 5.64
     system = loop_system(UNCOUPLED, torque)
     ends = system.motion(0.0)[0][[0, -1], POSITION]
     q = find_equilibrium(system, hanging_guess(arc_lengths(system.lengths), *ends)).q
     bottom = lowest_point(q, arc_lengths(system.lengths))
     # 3 m above the lowest point, as in the source
-    lowest, height = int(np.argmin(q[:, 1])), bottom.position[1] + 3.0
+    lowest = int(np.argmin(q[:, 1]))
+    height = bottom.position[1] + 3.0
     left, right = (np.interp(height, leg[:, 1], leg[:, 2]) for leg in (q[lowest::-1], q[lowest:]))
     # tension falls to zero in the loop, and its shape decides: the theory asks for 2 %
     assert_allclose(np.abs([left, right]), aside, rtol=0.02)
@@ -194,13 +214,18 @@ def test_a_torque_yaws_the_loop_and_moves_the_legs_oppositely() -> None:
 
 
 def test_turning_the_end_of_a_cantilever_once_round_rolls_it_up_to_a_circle() -> None:
-    EI, L, n = 1.3, 2.0, 32
+    EI = 1.3
+    L = 2.0
+    n = 32
     x = np.linspace(0.0, 1.0, n + 1)
     # first guess: nine tenths of the way round, but for the end
-    phi, R = 0.9 * 2 * np.pi * x, L / (0.9 * 2 * np.pi)
+    phi = 0.9 * 2 * np.pi * x
+    R = L / (0.9 * 2 * np.pi)
     q = np.zeros((n + 1, 7))
-    q[:, 0], q[:, 1] = R * np.sin(phi), R * (1 - np.cos(phi))
-    q[:, 3], q[:, 4] = np.cos(phi), np.sin(phi)
+    q[:, 0] = R * np.sin(phi)
+    q[:, 1] = R * (1 - np.cos(phi))
+    q[:, 3] = np.cos(phi)
+    q[:, 4] = np.sin(phi)
     held = nothing_held(q)
     q[[0, -1], 3:6] = 1.0, 0.0, 0.0
     held[:, [2, 5, ANGLE]] = True  # a plane problem
@@ -217,8 +242,14 @@ def test_turning_the_end_of_a_cantilever_once_round_rolls_it_up_to_a_circle() ->
 
 
 def test_a_twisted_helix_is_held_by_loves_force_and_couple() -> None:
-    a, alpha, M_t, GJ, EA, n = 1.0, np.radians(30.0), 0.5, 0.8, 1e4, 48
-    F, K = 0.05801270, 0.89951905
+    a = 1.0
+    alpha = np.radians(30.0)
+    M_t = 0.5
+    GJ = 0.8
+    EA = 1e4
+    n = 48
+    F = 0.05801270
+    K = 0.89951905
     # a turn about Z
     s = np.linspace(0.0, 2 * np.pi * a / np.cos(alpha), n + 1)
     phi = s * np.cos(alpha) / a
@@ -238,7 +269,9 @@ def test_a_twisted_helix_is_held_by_loves_force_and_couple() -> None:
     assert_allclose(e.q[:, :3], q[:, :3], atol=1e-3)
     # the couple about the axis of all that holds an end; theta's moment is about the tangent
     for node, sense in ((-1, 1.0), (0, -1.0)):
-        r, slope, f = e.q[node, POSITION], e.q[node, SLOPE], e.reaction[node]
+        r = e.q[node, POSITION]
+        slope = e.q[node, SLOPE]
+        f = e.reaction[node]
         couple = np.cross(r, f[POSITION]) + end_moment(slope, f[SLOPE], f[ANGLE])
         assert_allclose(sense * f[POSITION], [0, 0, F], atol=5e-3 * F)
         assert_allclose(sense * couple, [0, 0, K], atol=5e-3 * K)
@@ -252,7 +285,9 @@ def softest(system: Equations, q: Array, twist: float) -> float:
 
 
 def test_a_clamped_rod_buckles_at_the_known_twist() -> None:
-    EI, GJ, L = 1.0, 0.7, 1.0
+    EI = 1.0
+    GJ = 0.7
+    L = 1.0
     s = np.linspace(0.0, L, 25)
     q = straight(s)
     held = nothing_held(q)
@@ -266,8 +301,11 @@ def test_a_clamped_rod_buckles_at_the_known_twist() -> None:
 
 def ring_is_stable(elements: int, EI: float, GJ: float, twist: float) -> bool:
     """A closed ring of radius 1 of a straight rod, ``twist`` put in before it was closed."""
-    n, x = elements, np.linspace(0.0, 1.0, elements + 1)
-    cosine, sine, zero = np.cos(2 * np.pi * x), np.sin(2 * np.pi * x), np.zeros(n + 1)
+    n = elements
+    x = np.linspace(0.0, 1.0, elements + 1)
+    cosine = np.cos(2 * np.pi * x)
+    sine = np.sin(2 * np.pi * x)
+    zero = np.zeros(n + 1)
 
     def ring(p: Array) -> Array:
         return np.column_stack(
@@ -291,14 +329,18 @@ def ring_is_stable(elements: int, EI: float, GJ: float, twist: float) -> bool:
 
 
 def test_a_twisted_ring_leaves_its_plane_at_michells_twist() -> None:
-    EI, GJ, critical = 1.0, 0.8, []
+    EI = 1.0
+    GJ = 0.8
+    critical = []
     for elements in (24, 48):
-        low, high = 3 * np.pi * EI / GJ, 4 * np.pi * EI / GJ
+        low = 3 * np.pi * EI / GJ
+        high = 4 * np.pi * EI / GJ
         while high - low > 4e-3:
             middle = 0.5 * (low + high)
-            low, high = (
-                (middle, high) if ring_is_stable(elements, EI, GJ, middle) else (low, middle)
-            )
+            if ring_is_stable(elements, EI, GJ, middle):
+                low = middle
+            else:
+                high = middle
         critical.append(low)
     # a linear theta errs by l^2: extrapolated
     assert_allclose(
@@ -320,11 +362,13 @@ def test_the_hanging_shape_is_found(
     rope = Rope(EI=EI, Qb=coupling, Qc=coupling)
     mesh = Mesh("tmn", coarse_length=2.0, counts=(2, 4, 40, 4, 2), end_levels=0)
     found = hung_up(rope, height, Swivel(), mesh, spacing)
-    q, reaction = found.state.motion.q, found.state.motion.reaction
+    q = found.state.motion.q
+    reaction = found.state.motion.reaction
     weight = rope.mass_per_length * G * rope.length
     # the theory's bound; measured 1e-10
     assert_allclose(reaction[[0, -1], 1].sum(), weight, rtol=1e-9)
-    # rounding of 60 m coordinates in the strain of the shortest element: 1e-5 N, ten times that at most
+    # rounding of 60 m coordinates in the strain of the shortest element: 1e-5 N, ten times that at
+    # most
     shortest = found.state.partition.lengths.min()
     rounding = rope.Qa * 60.0 * np.finfo(float).eps / shortest
     assert_allclose(reaction[1:-1], 0.0, atol=10 * rounding)

@@ -39,7 +39,9 @@ def contacts(
     x: Array | None = None,
     **changed: float,
 ) -> SelfContacts:
-    return find_self_contacts(holding(**changed), q, 0 * q if v is None else v, lengths, c, x)
+    if v is None:
+        v = np.zeros_like(q)
+    return find_self_contacts(holding(**changed), q, v, lengths, c, x)
 
 
 @pytest.mark.parametrize(("degrees", "off"), [(90, 0.03), (30, 2e-3), (5, 1e-4)])
@@ -57,7 +59,8 @@ def bundle(order: tuple[int, ...]) -> Array:
     """Three straight strands of 3 m in a triangle, 0.8 diameters apart, which one rope passes in this order."""
     q = np.zeros((12, 7))
     for k, corner in enumerate(order):
-        angle, sense = 2.0 * math.pi * corner / 3, 1 - 2 * (k % 2)
+        angle = 2.0 * math.pi * corner / 3
+        sense = 1 - 2 * (k % 2)
         q[4 * k : 4 * k + 4, 0] = sense * np.linspace(-1.5, 1.5, 4)
         q[4 * k : 4 * k + 4, 1:4] = math.cos(angle), math.sin(angle), sense
         q[4 * k : 4 * k + 4, 1:3] *= 0.8 * THIN / math.sqrt(3.0)
@@ -72,12 +75,16 @@ def test_each_of_three_strands_feels_both_others_in_whatever_order_the_rope_pass
     order: tuple[int, ...],
 ) -> None:
     scene = holding().with_(rope=Rope(diameter=THIN))
-    q, lengths = bundle(order), np.where(np.arange(11) % 4 == 3, 20.0, 1.0)
-    found, R = find_self_contacts(scene, q, 0 * q, lengths), np.zeros_like(q)
+    q = bundle(order)
+    lengths = np.where(np.arange(11) % 4 == 3, 20.0, 1.0)
+    found = find_self_contacts(scene, q, 0 * q, lengths)
+    R = np.zeros_like(q)
     found.take_force(R)
-    pressed, onset = 0.2 * THIN, ONSET * THIN
+    pressed = 0.2 * THIN
+    onset = ONSET * THIN
     each = 3.0 * K * (0.5 * onset + pressed - onset)
-    # what joins the strands goes on along them, and presses within a diameter of their ends: 1/150 of their length
+    # what joins the strands goes on along them, and presses within a diameter of their ends: 1/150
+    # of their length
     most = THIN / 3.0
     assert found.sums["rope"] == pytest.approx(3.0 * each, rel=most)
     for k, corner in enumerate(order):
@@ -91,16 +98,24 @@ def tangled(length: float, elements: int) -> Scene:
     return holding().with_(rope=rope, layout=Layout(0.3), mesh=Mesh("eem", elements=elements))
 
 
-COILS, CIRCUMFERENCE, RISE = 9, 1.5, 0.1 * THIN
+COILS = 9
+CIRCUMFERENCE = 1.5
+RISE = 0.1 * THIN
 
 
 def test_no_touch_is_left_out_of_strands_that_lie_in_each_other() -> None:
     rope = hung(balance_rope(tangled(COILS * CIRCUMFERENCE, 4 * COILS), "native"))
     # so many turns of one circle, four elements each, each turn lying in those before it
-    turn, radius = np.linspace(0.0, COILS, 4 * COILS + 1), CIRCUMFERENCE / (2.0 * math.pi)
-    angle, q = 2.0 * math.pi * turn, np.zeros((turn.size, 7))
-    q[:, 0], q[:, 1], q[:, 2] = radius * np.cos(angle), RISE * turn, radius * np.sin(angle)
-    q[:, 3], q[:, 4], q[:, 5] = -np.sin(angle), RISE / CIRCUMFERENCE, np.cos(angle)
+    turn = np.linspace(0.0, COILS, 4 * COILS + 1)
+    radius = CIRCUMFERENCE / (2.0 * math.pi)
+    angle = 2.0 * math.pi * turn
+    q = np.zeros((turn.size, 7))
+    q[:, 0] = radius * np.cos(angle)
+    q[:, 1] = RISE * turn
+    q[:, 2] = radius * np.sin(angle)
+    q[:, 3] = -np.sin(angle)
+    q[:, 4] = RISE / CIRCUMFERENCE
+    q[:, 5] = np.cos(angle)
     rope.restore(rope.state._replace(motion=replace(rope.state.motion, q=q)))
     # the six nearest of the turns to the right press, beyond the law's onset
     pressure = [K * (THIN - k * RISE - 0.5 * ONSET * THIN) for k in range(1, 7)]
@@ -114,7 +129,8 @@ def test_the_forces_of_a_pair_cancel_and_its_friction_leaves_its_couple(seed: in
     rng = np.random.default_rng(seed)
     q, lengths = crossing(0.8 * D, 0.4)
     q += 0.003 * rng.normal(size=q.shape)
-    found, R = contacts(q, lengths, rng.normal(size=q.shape)), np.zeros_like(q)
+    found = contacts(q, lengths, rng.normal(size=q.shape))
+    R = np.zeros_like(q)
     found.take_force(R)
     sums = found.sums
     assert sums["contact_dissipated"] > 0
@@ -130,7 +146,9 @@ def test_the_force_is_the_energys_gradient_without_losses(seed: int) -> None:
     rng = np.random.default_rng(seed)
     q, lengths = crossing(0.8 * D, 0.4)
     q += 0.003 * rng.normal(size=q.shape)
-    R, way, size = np.zeros_like(q), rng.normal(size=q.shape), 1e-7
+    R = np.zeros_like(q)
+    way = rng.normal(size=q.shape)
+    size = 1e-7
     contacts(q, lengths).take_force(R)
     more, less = (contacts(q + sign * size * way, lengths).sums["contact"] for sign in (1, -1))
     assert (more - less) / (2 * size) == pytest.approx(np.vdot(R, way), rel=1e-5)
@@ -139,7 +157,8 @@ def test_the_force_is_the_energys_gradient_without_losses(seed: int) -> None:
 def test_the_tangent_is_the_forces_derivative_where_nothing_is_left_out() -> None:
     """Of strings side by side that come nearer, or slide."""
     q, lengths = crossing(0.8 * D, 0.0)
-    size, x = 1e-7, np.zeros_like(q)
+    size = 1e-7
+    x = np.zeros_like(q)
     x[3:, 2] = 1.0
 
     def force(q: Array, v: Array, **changed: float) -> Array:
@@ -155,16 +174,22 @@ def test_the_tangent_is_the_forces_derivative_where_nothing_is_left_out() -> Non
     assert np.abs(product).max() > 1e5
     assert_allclose(product, stiffness, atol=1e-5 * np.abs(product).max())
     v = np.zeros_like(q)
-    v[3:, :2], x[3:, :2] = (0.02, 0.01), (1.0, 2.0)
+    v[3:, :2] = (0.02, 0.01)
+    x[3:, :2] = (1.0, 2.0)
     product = contacts(q, lengths, v, (0.0, 1.0), x, damping=0.0).product
     rate = (force(q, v + size * x, damping=0.0) - force(q, v - size * x, damping=0.0)) / (2 * size)
     assert_allclose(product, rate, atol=1e-5 * np.abs(product).max())
 
 
 def test_conjugate_gradients_solve_the_coupled_system_in_as_many_steps_as_its_rank() -> None:
-    rng, size, rank = np.random.default_rng(1), 60, 5
-    A, B = rng.normal(size=(size, size)), rng.normal(size=(size, rank))
-    J, C, R = A @ A.T + np.eye(size), 1e4 * B @ B.T, rng.normal(size=size)
+    rng = np.random.default_rng(1)
+    size = 60
+    rank = 5
+    A = rng.normal(size=(size, size))
+    B = rng.normal(size=(size, rank))
+    J = A @ A.T + np.eye(size)
+    C = 1e4 * B @ B.T
+    R = rng.normal(size=size)
     solved: list[Array] = []
 
     def solve(g: Array) -> Array:
@@ -193,7 +218,8 @@ def test_legs_that_turn_about_each_other_lie_against_each_other_and_keep_the_bal
     )
     ropes = [balance_rope(x, "native") for x in (scene, scene.with_(shaft=Shaft()))]
     held, passing = (wound(x, lambda t: (end(t, 4.0, 10.0),) * 2, 350) for x in ropes)
-    energy, audit = held.state.energy_balance, held.state.audit
+    energy = held.state.energy_balance
+    audit = held.state.audit
     assert energy.dissipated_contact > 5.0
     assert abs(energy.residual) < 1e-3 * energy.work_ends
     assert audit.missing_force < 1e-3 * audit.force

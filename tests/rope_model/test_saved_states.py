@@ -56,7 +56,8 @@ CROSS_WIND = {
     "cross_height": 2.0,
 }
 BLOWN = air_scenes.scene(**CROSS_WIND, buffet=1.0, buffet_length=2.0)
-CURVED, WIRES = curved_scenes.scene, wire_scenes.scene()
+CURVED = curved_scenes.scene
+WIRES = wire_scenes.scene()
 #: its errors halve steps
 STRICT = WIRES.with_(solver=replace(WIRES.solver, tolerance=1.0, newton_tolerance=1e-8))
 CASES = {
@@ -93,14 +94,16 @@ CASES = {
 
 
 def misfit(fidelity: FidelityChoice) -> Case:
-    torque = {} if fidelity == "torsional" else {"Qb": 0.0, "Qc": 0.0}
+    rope = Rope(length=60.0)
+    if fidelity != "torsional":
+        rope = replace(rope, Qb=0.0, Qc=0.0)
     # sixteen elements: other tests compile them, too
-    scene = Scene(
-        rope=Rope(length=60.0, **torque), mesh=Mesh("eem", elements=16), model=Model(fidelity)
-    )
+    scene = Scene(rope=rope, mesh=Mesh("eem", elements=16), model=Model(fidelity))
 
     def motion(t: float) -> Ends:
-        return unfit(t, fidelity) if t > 0 else EndMotion(), EndMotion()
+        if t > 0:
+            return unfit(t, fidelity), EndMotion()
+        return EndMotion(), EndMotion()
 
     return Case(
         scene, motion, 12, 18, lambda x: x.filters[0].repeats * x.filters[0].position_misfit > 1e-4
@@ -124,7 +127,8 @@ CASES["another model since 1 s"] = Case(
 def test_a_rope_goes_on_from_a_saved_state_bit_by_bit(name: str) -> None:
     case = CASES[name]
     rope = wound(balance_rope(case.scene), case.motion, case.saved, case.h)
-    saved, kept = rope.save(), rope.snapshot()
+    saved = rope.save()
+    kept = rope.snapshot()
     rest = case.motion, case.steps - case.saved, case.h, case.saved
     end = wound(rope, *rest).save()
     assert case.acted(rope.state)

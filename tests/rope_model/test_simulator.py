@@ -9,6 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from scenes import followed, hung, recorded, smooth_step, smooth_trip, wound
+from signal_names import of_both_ends
 
 from rope_model import BalanceRope, EndMotion, at_level, balance_rope, rope_120, rope_240
 from rope_model.engine import NativeRope
@@ -16,7 +17,8 @@ from rope_model.parameters import Rope, Scene, Swivel
 from rope_model.solver_parameters import Mesh, Model, Solver
 
 H = 0.01
-#: 30 m rope, 12 m of travel, in steps as long as the host's: a winding small enough for every test run
+#: 30 m rope, 12 m of travel, in steps as long as the host's: a winding small enough for every test
+#: run
 EVEN = Solver(tolerance=1e6)
 SHORT = Scene(
     rope=Rope(length=30.0), mesh=Mesh(coarse_length=1.6, counts=(2, 4, 40, 4, 2)), solver=EVEN
@@ -38,7 +40,8 @@ def test_tmn_agrees_with_a_fine_equal_length_mesh_through_the_winding() -> None:
     ours, reference = (
         recorded(balance_rope(scene), ends_at, 600, names) for scene in (SHORT, fine)
     )
-    force, loop = (ours - reference)[:, :2], (ours - reference)[:, 2:5]
+    force = (ours - reference)[:, :2]
+    loop = (ours - reference)[:, 2:5]
     # measured 0.008 % of the largest force and 1.1 mm; the acceptance is 0.5 % and 1 cm
     assert np.sqrt(np.mean(force**2)) < 0.0003 * np.abs(reference[:, :2]).max()
     assert np.abs(loop).max() < 0.004
@@ -49,12 +52,18 @@ def test_transformation_happens_each_coarse_length_of_travel_and_on_the_way_back
     None
 ):
     rope = wind(steps=0)
-    instants, counts, changes, kinetic = [], [rope.state.partition.counts], [], 0.0
+    instants = []
+    counts = [rope.state.partition.counts]
+    changes = []
+    kinetic = 0.0
     there = 500
     for k in range(2 * there):
         t = (k + 1) * H
-        ends = ends_at(t) if k < there else smooth_trip(t - there * H, -8.0, 5.0, HIGH - 8.0)
-        assert rope.advance_to(t, replace(ends[0], y=ends[0].y + 8.0 * (k >= there)), ends[1]).valid
+        left, right = ends_at(t)
+        if k >= there:
+            left, right = smooth_trip(t - there * H, -8.0, 5.0, HIGH - 8.0)
+            left = replace(left, y=left.y + 8.0)
+        assert rope.advance_to(t, left, right).valid
         events = [event for event in rope.state.events if event.what == "transformation"]
         instants += [event.t for event in events]
         counts += [rope.state.partition.counts] * len(events)
@@ -93,7 +102,8 @@ def test_work_of_nonconservative_coupling_is_counted_and_the_energy_balance_clos
 
 def test_work_is_bounded() -> None:
     counts = wind().state.counts
-    # one step of the host is one step of the rope but for transformations, and Newton needs two corrections
+    # one step of the host is one step of the rope but for transformations, and Newton needs two
+    # corrections
     assert counts.steps <= 550 + 2 * counts.transformations
     assert counts.newton <= 2 * counts.steps
     assert counts.rejections <= 0.02 * counts.steps
@@ -103,12 +113,14 @@ def test_work_is_bounded() -> None:
 def test_a_loop_near_an_end_hangs_on_the_fitted_mesh_as_on_short_equal_elements(
     EI: float, height: float
 ) -> None:
-    scene, found = Scene(rope=Rope(EI=EI)), []
+    scene = Scene(rope=Rope(EI=EI))
+    found = []
     for mesh in (scene.mesh, Mesh("eem", elements=480)):
         found.append(
             hung(balance_rope(scene.with_(mesh=mesh)), right=EndMotion(y=height)).signals()
         )
-    # what is asked of the loop, to which the mesh is fitted, and of the end forces over the rope's weight
+    # what is asked of the loop, to which the mesh is fitted, and of the end forces over the rope's
+    # weight
     assert_allclose(found[0]["loop.y"], found[1]["loop.y"], rtol=0, atol=scene.accuracy.loop)
     weight = scene.rope.mass_per_length * 9.81 * scene.rope.length
     assert_allclose(
@@ -129,7 +141,8 @@ def test_swivel_without_any_friction_turns_freely_and_does_not_chatter() -> None
     assert rope.state.counts.swivel_events == 0
 
 
-LOADS = [f"{side}.{kind}{axis}" for kind in "fm" for side in ("left", "right") for axis in "xyz"]
+FORCES = of_both_ends("fx", "fy", "fz")
+LOADS = (*FORCES, *of_both_ends("mx", "my", "mz"))
 UNCOUPLED = Scene(rope=Rope(Qb=0.0, Qc=0.0))
 
 
@@ -165,10 +178,12 @@ SCENES = {
 @pytest.mark.parametrize("name", SCENES)
 def test_no_end_force_jumps_where_only_the_description_changes(name: str) -> None:
     scene, motion = SCENES[name]
-    # the loop's place errs by a part that goes with the step's length: where an error changes that, a wave of some
-    # newtons runs along the rope
+    # the loop's place errs by a part that goes with the step's length: where an error changes that,
+    # a wave of some newtons runs along the rope
     scene = scene.with_(solver=replace(scene.solver, tolerance=1e6))
-    height = 90.0 if scene.rope.length < 200 else 200.0
+    height = 90.0
+    if scene.rope.length >= 200:
+        height = 200.0
     rope = hung(NativeRope(scene), *motion(0.0, height))
     record: list[list[float]] = []
     changes: dict[str, list[int]] = {"transformation": [], "model": []}
@@ -178,17 +193,17 @@ def test_no_end_force_jumps_where_only_the_description_changes(name: str) -> Non
         record.append([*rope.signals(LOADS).values()])
         # events are read where there are any: a whole state each step takes longer than the step
         now = *rope.signals(["count.transformations"]).values(), rope.fidelity
-        for event in rope.state.events if now != before else ():
-            changes["model" if event.what.startswith("model") else event.what].append(k - 1)
+        if now != before:
+            for event in rope.state.events:
+                what, *_ = event.what.split()
+                changes[what].append(k - 1)
         before = now
     jumps = jumps_of(np.array(record))
-    of = {
-        x: [j for k in at for j in (k - 2, k - 1, k) if 0 <= j < len(jumps)]
-        for x, at in changes.items()
-    }
     # horizontal forces, which a rigid rope leaves out, come back at once: some 17 N
-    assert jumps[of["model"], :6].max(initial=0.0) <= 20.0
-    smooth_ones = jumps if "turns" in name or "backwards" in name else jumps[of["transformation"]]
+    assert jumps_at(changes["model"], jumps)[:, :6].max(initial=0.0) <= 20.0
+    smooth_ones = jumps
+    if "that is turned" in name:
+        smooth_ones = jumps_at(changes["transformation"], jumps)
     # the motions last for seconds and bend the curve of 10 ms samples by a tenth of that
     assert smooth_ones[:, :6].max() < 1.0
     assert smooth_ones[:, 6:].max() < 0.05
@@ -201,13 +216,20 @@ def test_a_change_of_the_steps_length_sends_a_wave_along_the_rope_and_even_steps
     largest = {}
     for name, lengths in (("long", (H, H)), ("short", (H / 4, H / 4)), ("changed", (H, H / 4))):
         at = [scene.with_(solver=replace(scene.solver, tolerance=1e6, step_max=h)) for h in lengths]
-        rope, record = wound(NativeRope(at[0]), partial(motion, height=200.0), 1380), []
+        rope = wound(NativeRope(at[0]), partial(motion, height=200.0), 1380)
+        record = []
         for k in followed(rope, partial(motion, height=200.0), 40, H, first=1380):
-            record.append([*rope.signals(LOADS[:6]).values()])
+            record.append([*rope.signals(FORCES).values()])
             if k == 1399:
                 rope.retune(at[1])
         largest[name] = jumps_of(np.array(record)).max()
     assert max(largest["long"], largest["short"]) < 1.0 < 3.0 < largest["changed"] < 20.0
+
+
+def jumps_at(steps: list[int], jumps: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(jumps, forces): those that samples of these steps are part of."""
+    at = np.add.outer(steps, (-2, -1, 0)).ravel().astype(int)
+    return jumps[at[(at >= 0) & (at < len(jumps))]]
 
 
 def jumps_of(forces: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -36,16 +36,20 @@ STIFF_BEARING = Swivel(mode="coulomb", mu_static=0.02, mu_kinetic=0.014, start="
 
 def scene(step: float = 2e-3, **swivels: Swivel) -> Scene:
     solver = Solver(step_max=step, tolerance=1.0, newton_tolerance=1e-10)
-    mesh, model = Mesh(kind="eem", elements=8), Model(fidelity="torsional")
+    mesh = Mesh(kind="eem", elements=8)
+    model = Model(fidelity="torsional")
     return Scene(rope=SOFT, mesh=mesh, solver=solver, model=model, **swivels)
 
 
-#: the right conveyance yaws by so much in the first of these times, and stands until the second
-YAW, YAWED, END = 1.5, 1.2, 2.4
+#: rad by which the right conveyance yaws
+YAW = 1.5
+YAWED = 1.2  #: s, when it has yawed
+END = 2.4  #: s, until which it stands
 
 
 def twist(data: Scene) -> tuple[BalanceRope, tuple[Event, ...]]:
-    rope, events = hung(balance_rope(data)), ()
+    rope = hung(balance_rope(data))
+    events = ()
     for t in (YAWED, END):
         assert rope.advance_to(t, EndMotion(), EndMotion(yaw=YAW)).valid
         events += rope.state.events
@@ -84,8 +88,11 @@ class Phased:
     """The equations of the reference with both swivels in given phases, for scipy: y = (q, v)."""
 
     def __init__(self, start: ReferenceRope, ends: ReferenceEnds, since: float) -> None:
-        self.ends, self.since, q = ends, since, start.state.motion.q
-        self.shape, self.equations = q.shape, ends.equations(start.state.mesh, q)
+        self.ends = ends
+        self.since = since
+        q = start.state.motion.q
+        self.shape = q.shape
+        self.equations = ends.equations(start.state.mesh, q)
 
     def motion(self, t: float, y: np.ndarray) -> tuple[np.ndarray, ...]:
         held = self.equations.held
@@ -107,10 +114,11 @@ class Phased:
         state = self.ends.swivels[side]
         if state.phase is Phase.SLIP:
             yaw_rate = self.ends.paths[side].at(t)[1, 3] * SENSE[side]
+            rate = float(state.sign * (v[-side, 6] - yaw_rate))
             # just after release the rate is zero: look a little later
-            return float(
-                state.sign * (v[-side, 6] - yaw_rate) + (1e-3 if t < self.since + 1e-4 else 0.0)
-            )
+            if t < self.since + 1e-4:
+                rate += 1e-3
+            return rate
         reaction = self.equations.residual(q, v, a)
         hold = 0.5 * STIFF_BEARING.mu_static * STIFF_BEARING.mean_diameter
         return float(hold * reaction[-side, 1] - abs(reaction[-side, 6]))
@@ -129,17 +137,21 @@ def reference_events(
     start: ReferenceRope, ends: ReferenceEnds, duration: float
 ) -> list[tuple[float, int, Phase]]:
     q = start.state.motion.q
-    time, y, events = 0.0, np.concatenate((q.ravel(), np.zeros(q.size))), []
+    time = 0.0
+    y = np.concatenate((q.ravel(), np.zeros(q.size)))
+    events = []
     states = [state._replace(phase=Phase.STICK) for state in ends.swivels]
     while time < duration:
         rope = Phased(start, replace(ends, swivels=(states[0], states[1])), time)
         leaves = [partial(rope.may_stay, side) for side in (0, 1)]
         for event in leaves:
-            event.terminal, event.direction = True, -1
+            event.terminal = True
+            event.direction = -1
         # far below what the instants may differ by; stability keeps the steps short
         exact: dict[str, float] = {"rtol": 1e-8, "atol": 1e-9, "max_step": 0.02}
         solution = solve_ivp(rope.rates, (time, duration), y, "DOP853", events=leaves, **exact)
-        time, y = float(solution.t[-1]), solution.y[:, -1]
+        time = float(solution.t[-1])
+        y = solution.y[:, -1]
         hit = [side for side in (0, 1) if solution.t_events[side].size]
         for side in hit:
             states[side] = rope.next_state(side, time, y)
@@ -168,7 +180,8 @@ def test_switching_instants_agree_with_an_independent_event_located_solution() -
             side for _, side, _ in expected
         ]
         errors.append(max(abs(e.t - t) for e, (t, _, _) in zip(events, expected, strict=True)))
-    # second order in the step: a quarter, and the first error as small as the step squared times the rates allow
+    # second order in the step: a quarter, and the first error as small as the step squared times
+    # the rates allow
     assert errors[0] < 2e-3
     assert errors[1] < 0.35 * errors[0]
 
@@ -199,8 +212,10 @@ def test_release_at_its_time_and_not_before() -> None:
 
 
 SIDES = ("left", "right")
-HEALTHY, FREE = Swivel(mode="coulomb"), Swivel(mode="free")
-ROPE, RIGHT = Rope(length=40.0), EndMotion(y=20.0)
+HEALTHY = Swivel(mode="coulomb")
+FREE = Swivel(mode="free")
+ROPE = Rope(length=40.0)
+RIGHT = EndMotion(y=20.0)
 PLAIN = Scene(rope=ROPE, mesh=Mesh("eem", elements=24), left=HEALTHY, right=HEALTHY)
 CURVED = Rope(length=40.0, initial_curvature=0.3, initial_curvature_angle=0.8)
 SCENES = {
@@ -219,8 +234,10 @@ SCENES = {
 
 def limit(rope: BalanceRope, swivel: Swivel, side: str) -> float:
     """Moment (N m) that the bearing holds, from the end's tension; the statics end within some 1e-8 N m."""
-    if swivel.mode != "coulomb":
-        return 0.0 if swivel.mode == "free" else 1e3
+    if swivel.mode == "free":
+        return 0.0
+    if swivel.mode == "locked":
+        return 1e3
     tension = -rope.signals()[f"{side}.fy"]
     return friction_moment(swivel.mu_static, swivel.mean_diameter, swivel.seal_moment, tension)
 
@@ -229,7 +246,8 @@ def limit(rope: BalanceRope, swivel: Swivel, side: str) -> float:
 def test_friction_holds_the_rope_at_the_start_and_nothing_moves_then(name: str) -> None:
     scene = SCENES[name]
     rope = hung(balance_rope(scene), right=RIGHT)
-    start, saved = rope.signals(), rope.save()
+    start = rope.signals()
+    saved = rope.save()
     for side, swivel in zip(SIDES, (scene.left, scene.right), strict=True):
         assert abs(start[f"{side}.swivel.torque"]) <= limit(rope, swivel, side) + 1e-8
     for _ in range(2):
@@ -248,8 +266,11 @@ def test_the_weaker_swivel_slides_by_the_angle_of_the_torque_that_it_does_not_ho
     twist: float,
 ) -> None:
     rope = hung(balance_rope(PLAIN.with_(rope=replace(ROPE, installed_twist=twist))), right=RIGHT)
-    now, (short, long) = rope.signals(), (10.0, 30.0)
-    # of vertical legs with their ends held: D / L times the twist, and by the mean tension; that of 1 m of loop is not
+    now = rope.signals()
+    short = 10.0
+    long = 30.0
+    # of vertical legs with their ends held: D / L times the twist, and by the mean tension; that of
+    # 1 m of loop is not
     torsion = ROPE.Qd - ROPE.Qs**2 / ROPE.Qa
     held = (
         ROPE.Qc / ROPE.Qa * ROPE.mass_per_length * 9.81 * (short**2 + long**2) / (2 * ROPE.length)
@@ -293,8 +314,10 @@ def test_a_rope_hung_anew_after_a_trip_rests_within_the_limits_band() -> None:
         balance_rope(scene), lambda t: (smooth_trip(t, 10.0, 10.0, 0.0)[0], RIGHT), 3000, 0.02
     )
     assert rope.state.counts.swivel_events > 0
-    after, anew = rope.signals(), hung(balance_rope(scene), EndMotion(y=10.0), RIGHT).signals()
-    # the same rope, its ends at the same places: its torque differs by that of its twist, D / L of docs/theory/rope.md
+    after = rope.signals()
+    anew = hung(balance_rope(scene), EndMotion(y=10.0), RIGHT).signals()
+    # the same rope, its ends at the same places: its torque differs by that of its twist, D / L of
+    # docs/theory/rope.md
     torsion = (ROPE.Qd - ROPE.Qs**2 / ROPE.Qa) / ROPE.length
     torque, twist = (
         after[f"right.swivel.{key}"] - anew[f"right.swivel.{key}"] for key in ("torque", "angle")

@@ -35,10 +35,12 @@ def test_loop_yaws_through_90_degrees_and_on_to_a_full_turn() -> None:
     rope = NativeRope(SCENE)
     wound(rope, lambda t: turn(2 * math.pi, 20.0, t), 1000, 0.02)
     assert rope.state.loop_yaw > 1.5 * math.pi
-    # the ends are back where they were, and so are shape and torque at rest: theta counts on as the frame is carried
-    # along.  What is left is the quadrature of the frame's turn, on elements of 0.75 m
+    # the ends are back where they were, and so are shape and torque at rest: theta counts on as the
+    # frame is carried along.  What is left is the quadrature of the frame's turn, on elements of
+    # 0.75 m
     first = hung(NativeRope(SCENE)).state.motion
-    q, lengths = rope.state.motion.q.copy(), rope.state.partition.lengths
+    q = rope.state.motion.q.copy()
+    lengths = rope.state.partition.lengths
     held = nothing_held(q)
     held[[0, -1]] = True
     held[[0, -1], 4] = False
@@ -63,8 +65,9 @@ def test_installed_twist_turns_the_loop_over_on_any_mesh() -> None:
 
 @pytest.mark.parametrize("angle", [1.0, 0.5 * math.pi, math.pi])
 def test_rope_hung_between_ends_turned_as_a_whole_is_the_same_rope(angle: float) -> None:
-    loads = [at_rest(*turn(angle if x else 0.0, 1.0, 1.0)) for x in (0, 1)]
-    c, s = math.cos(angle), math.sin(angle)
+    loads = [at_rest(*turn(x, 1.0, 1.0)) for x in (0.0, angle)]
+    c = math.cos(angle)
+    s = math.sin(angle)
     for side in ("left", "right"):
         for kind in "fm":
             x, y, z = (loads[0][f"{side}.{kind}{axis}"] for axis in "xyz")
@@ -74,7 +77,8 @@ def test_rope_hung_between_ends_turned_as_a_whole_is_the_same_rope(angle: float)
 
 
 def test_moments_on_a_rope_at_rest_balance_about_the_vertical() -> None:
-    loads, spacing = at_rest(EndMotion(y=30.0), EndMotion(yaw=1.5)), rope_120().scene.layout.spacing
+    loads = at_rest(EndMotion(y=30.0), EndMotion(yaw=1.5))
+    spacing = rope_120().scene.layout.spacing
     assert abs(loads["right.my"]) > 10.0
     # the forces out of plane act at both ends, half the spacing to either side
     about_y = (
@@ -87,10 +91,8 @@ def test_moments_on_a_rope_at_rest_balance_about_the_vertical() -> None:
 
 def test_turns_put_in_at_once_turn_the_loop_and_leave_the_torque() -> None:
     # four turns of one end are two of the loop, by which the rope gets rid of the twist
-    loads, turned_in = (
-        at_rest(EndMotion(), EndMotion()),
-        at_rest(EndMotion(), EndMotion(yaw=8 * math.pi)),
-    )
+    loads = at_rest(EndMotion(), EndMotion())
+    turned_in = at_rest(EndMotion(), EndMotion(yaw=8 * math.pi))
     assert_allclose(turned_in["loop.yaw"] - loads["loop.yaw"], 4 * math.pi, rtol=1e-6)
     assert_allclose(turned_in["left.my"], loads["left.my"], rtol=1e-4)
 
@@ -101,15 +103,15 @@ def at_rest(left: EndMotion, right: EndMotion) -> dict[str, float]:
     ).signals()
 
 
-# ropes in poses from a seed, kind by kind: the first hangs as drawings show it, the last has everything at once; nearly
-# everything is drawn over the whole range that the rope takes, so that many poses are absurd
-LENGTH, MASS, BENDING, SPACING = (
-    (60.0, 1200.0),
-    (3.0, 15.0),
-    (50.0, 3000.0),
-    (1.2, 3.0),
-)  # m, kg/m, N m^2, m
-#: EA (N) per mass per length (kg/m); the other stiffnesses grow with the section as those of the published case
+# ropes in poses from a seed, kind by kind: the first hangs as drawings show it, the last has
+# everything at once; nearly everything is drawn over the whole range that the rope takes, so that
+# many poses are absurd
+LENGTH = (60.0, 1200.0)  # m
+MASS = (3.0, 15.0)  # kg/m
+BENDING = (50.0, 3000.0)  # N m^2
+SPACING = (1.2, 3.0)  # m
+#: EA (N) per mass per length (kg/m); the other stiffnesses grow with the section as those of the
+#: published case
 STIFFNESS = (1.1e7, 2.0e7)
 PUBLISHED = Rope()
 #: (Qb - Qc) / (Qb + Qc): the published pair has .015
@@ -156,10 +158,15 @@ def _pose(rng: np.random.Generator, kind: str, has: frozenset[str]) -> Pose:
         return float(np.exp(rng.uniform(*np.log(bounds))))
 
     def if_has(what: str, value: float) -> float:
-        return value if what in has else 0.0
+        if what not in has:
+            return 0.0
+        return value
 
-    length, mass, spacing = in_logarithms(LENGTH), evenly(*MASS), evenly(*SPACING)
-    Qa, section = mass * in_logarithms(STIFFNESS), mass / PUBLISHED.mass_per_length
+    length = in_logarithms(LENGTH)
+    mass = evenly(*MASS)
+    spacing = evenly(*SPACING)
+    Qa = mass * in_logarithms(STIFFNESS)
+    section = mass / PUBLISHED.mass_per_length
     stiffer = Qa / PUBLISHED.Qa
     Qs = evenly(0.0, 1.0) * stiffer * math.sqrt(section) * PUBLISHED.Qs
     unequal = if_has("unsymmetric", evenly(*UNSYMMETRIC))
@@ -202,7 +209,8 @@ def hang(pose: Pose) -> tuple[str, float]:
 NO_REASON = "no equilibrium within"
 
 SEED = 7
-DRAWN, SLOW = enumerate(poses(SEED, 5 * len(KINDS))), [pytest.mark.slow]
+DRAWN = enumerate(poses(SEED, 5 * len(KINDS)))
+SLOW = [pytest.mark.slow]
 POSES = [pytest.param(x, marks=SLOW * (k >= len(KINDS)), id=f"{k}, {x.kind}") for k, x in DRAWN]
 
 
@@ -212,12 +220,13 @@ def test_every_pose_finds_rest_or_is_refused_for_a_reason(pose: Pose) -> None:
     assert NO_REASON not in refusal
     # nor by the bound on the work of turning in
     assert "more than the rest of a rope takes" not in refusal
-    # rounding of the height L in the strain of the shortest elements, l = .1 m: eps Qa L / l is 4.5e-9 of the weight
-    # where Qa per mass is largest
+    # rounding of the height L in the strain of the shortest elements, l = .1 m: eps Qa L / l is
+    # 4.5e-9 of the weight where Qa per mass is largest
     assert weight_error < 1e-8
 
 
-#: of 118 m, soft against twist: past 6.46875 rad, and again past 17.7 rad, nothing is left of the way it was on
+#: of 118 m, soft against twist: past 6.46875 rad, and again past 17.7 rad, nothing is left of the
+#: way it was on
 SOFT = replace(rope_120().scene.rope, length=118.0, Qd=2000.0, Qb=2.0e5, Qc=1.6e5)
 
 

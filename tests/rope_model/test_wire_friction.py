@@ -46,10 +46,13 @@ def bent(z: float, before: float, after: float) -> BoucWenStep:
 
 def path(curvatures: Array) -> tuple[Array, Array]:
     """z, and what was dissipated so far, along a path that begins at 0."""
-    z, k, found = 0.0, 0.0, [(0.0, 0.0)]
+    z = 0.0
+    k = 0.0
+    found = [(0.0, 0.0)]
     for after in curvatures[1:]:
         slid = bent(z, k, float(after))
-        z, k = slid.z[1], float(after)
+        z = slid.z[1]
+        k = float(after)
         found.append((z, found[-1][1] + slid.dissipated))
     of_z, of_loss = np.array(found).T
     return of_z, of_loss
@@ -80,7 +83,8 @@ def test_a_fresh_rope_follows_the_hyperbolic_tangent() -> None:
 @pytest.mark.parametrize("length", [0.3, 1.0, 3.0, 100.0])
 def test_a_step_may_have_any_length(length: float) -> None:
     """As far as the series of sinh goes: to 0.06 % of k0 at its worst, and where all wires slide to the end."""
-    whole, parts = bent(0.0, 0.0, length * K0), path(np.linspace(0.0, length * K0, 1001))[0]
+    whole = bent(0.0, 0.0, length * K0)
+    parts = path(np.linspace(0.0, length * K0, 1001))[0]
     assert whole.z[1] == pytest.approx(parts[-1], abs=6e-4 * K0)
     assert bent(0.9 * K0, 0.0, 50 * K0).z[1] == pytest.approx(K0, abs=1e-9)
 
@@ -90,7 +94,8 @@ def test_a_steady_cycle_loses_what_the_closed_form_says(amplitude: float) -> Non
     """Half a cycle takes the moment elastically from its largest to 0 and on as that of a fresh rope."""
     z, loss = path(amplitude * K0 * np.sin(2 * math.pi * np.linspace(0, 30, 400 * 30 + 1)))
     largest = np.abs(z[-401:]).max() / K0
-    # where the moment has that size, so has the curvature the amplitude; peaks lie on the path's points
+    # where the moment has that size, so has the curvature the amplitude; peaks lie on the path's
+    # points
     assert 0.5 * (largest + math.atanh(largest)) == pytest.approx(amplitude, rel=1e-6)
     expected = -(K0**2) * (largest**2 + math.log1p(-(largest**2)))
     # turning points lie within steps no longer than 0.06 K0
@@ -110,7 +115,8 @@ def test_below_slip_next_to_nothing_is_lost() -> None:
 def random_sections(seed: int, number: int) -> tuple[Array, Array]:
     """(10, number), (7, number): sections that bend, turn and spin, with any z that friction can have."""
     chance = np.random.default_rng(seed)
-    before, now = chance.normal(size=(POINT_STATE_SIZE, number)), chance.normal(size=(7, number))
+    before = chance.normal(size=(POINT_STATE_SIZE, number))
+    now = chance.normal(size=(7, number))
     now[:3] = before[:3] + 0.3 * now[:3]
     for x in (before, now):
         x[:3] /= np.linalg.norm(x[:3], axis=0)
@@ -136,13 +142,15 @@ def test_what_turns_as_a_whole_remembers_all() -> None:
     """The section's frame, carried by the smallest rotation of the tangent and turned about it."""
     before, now = random_sections(2, 200)
     angle = 0.2
-    t, p = now[:3], before[:3]
+    t = now[:3]
+    p = before[:3]
 
     def turned(x: Array) -> Array:
         y = x - (t * x).sum(axis=0) / (1 + (p * t).sum(axis=0)) * (p + t)
         return np.cos(angle) * y + np.sin(angle) * np.cross(t, y, axis=0)
 
-    now[3:6], now[6] = turned(before[3:6]), before[6] + angle
+    now[3:6] = turned(before[3:6])
+    now[6] = before[6] + angle
     slid = bouc_wen_step(before, now, K0)
     # the turn errs by 34 / 40320 of angle^7, 1e-8, times a curvature of up to 5 1/m
     assert_allclose(slid.z, turned(before[7:]), atol=6e-8)
@@ -150,8 +158,10 @@ def test_what_turns_as_a_whole_remembers_all() -> None:
 
 
 def element_state(fidelity: ElementFidelity, seed: int) -> Array:
-    chance, q = np.random.default_rng(seed), np.zeros((2, NODE_DOF))
-    q[:, 3:6], q[1, :3] = [0.6, -0.8, 0.0], [1.2, -1.6, 0.0]
+    chance = np.random.default_rng(seed)
+    q = np.zeros((2, NODE_DOF))
+    q[:, 3:6] = [0.6, -0.8, 0.0]
+    q[1, :3] = [1.2, -1.6, 0.0]
     kept = list(ELEMENT_DOF[fidelity])
     q[:, kept] += 0.02 * chance.normal(size=(2, len(kept)))
     return q
@@ -171,11 +181,10 @@ def at_rest(q: Array, z: Array) -> Array:
 def test_while_wires_stick_the_residual_is_the_derivative_of_the_energy(
     fidelity: ElementFidelity,
 ) -> None:
-    wires, kept = wire_functions(fidelity), list(ELEMENT_DOF[fidelity])
-    before, now = (
-        element_state(fidelity, 1),
-        element_state(fidelity, 1) + 1e-4 * element_state(fidelity, 2),
-    )
+    wires = wire_functions(fidelity)
+    kept = list(ELEMENT_DOF[fidelity])
+    before = element_state(fidelity, 1)
+    now = element_state(fidelity, 1) + 1e-4 * element_state(fidelity, 2)
     nodes = before.ravel(), now.ravel()
     z = []
     for xi in POINTS:  # the moment falls on the way to `now`
@@ -200,12 +209,11 @@ def test_while_wires_stick_the_residual_is_the_derivative_of_the_energy(
 def test_at_rest_a_fresh_rope_has_the_stiffness_of_wires_that_stick(
     fidelity: ElementFidelity,
 ) -> None:
-    plain, wires, kept = (
-        element_functions(fidelity),
-        wire_functions(fidelity),
-        list(ELEMENT_DOF[fidelity]),
-    )
-    q, still = element_state(fidelity, 3)[:, kept].ravel(), np.zeros(2 * len(kept))
+    plain = element_functions(fidelity)
+    wires = wire_functions(fidelity)
+    kept = list(ELEMENT_DOF[fidelity])
+    q = element_state(fidelity, 3)[:, kept].ravel()
+    still = np.zeros(2 * len(kept))
     stuck = np.array(
         wires.tangent(
             q, 2.0, at_rest(element_state(fidelity, 3), np.zeros(9)), np.zeros(TANGENT_SIZE), 1.0
@@ -216,12 +224,11 @@ def test_at_rest_a_fresh_rope_has_the_stiffness_of_wires_that_stick(
     assert_allclose(stuck, slopes, atol=1e-6 * np.abs(stuck).max())
     # of a straight rope bending is all there is to it
     straight = element_state(fidelity, 3)
-    straight[:, 3:6], straight[1, :3], straight[:, 6] = (
-        [0.6, -0.8, 0.0],
-        straight[0, :3] + [1.2, -1.6, 0.0],
-        0.0,
-    )
-    q, F = straight[:, kept].ravel(), np.array(plain.reference(straight[:, kept].ravel(), 2.0))
+    straight[:, 3:6] = [0.6, -0.8, 0.0]
+    straight[1, :3] = straight[0, :3] + [1.2, -1.6, 0.0]
+    straight[:, 6] = 0.0
+    q = straight[:, kept].ravel()
+    F = np.array(plain.reference(q, 2.0))
     stiff, soft = (
         np.array(
             plain.tangent(
@@ -245,10 +252,12 @@ def test_a_change_of_the_mesh_makes_no_energy_and_keeps_the_moments_sum() -> Non
     weights = np.array([5, 8, 5]) / 18
 
     def sums(x: Array, lengths: Array) -> tuple[Array, float]:
-        points, parts = x.reshape(-1, 3), np.outer(lengths, weights).ravel()
+        points = x.reshape(-1, 3)
+        parts = np.outer(lengths, weights).ravel()
         return parts @ points, float(parts @ (points**2).sum(axis=1))
 
-    (moment, energy), (moment_after, energy_after) = sums(z, old), sums(carried, new)
+    moment, energy = sums(z, old)
+    moment_after, energy_after = sums(carried, new)
     assert_allclose(moment_after, moment, atol=1e-12)
     assert energy_after < energy
     assert_array_equal(carried[[0, 1, 6]], z[[0, 1, 6]])  # what lies where it lay, to the bit

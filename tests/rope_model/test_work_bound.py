@@ -25,7 +25,10 @@ READ = (
     "right.fy",
     "loop.yaw",
 )
-NEWTON, GIVEN_UP, SINCE, FORCES = 0, 1, 2, slice(3, 5)
+NEWTON = 0
+GIVEN_UP = 1
+SINCE = 2
+FORCES = slice(3, 5)
 BOUND = 48
 SOON = replace(SWIVEL, release_time=0.1)
 
@@ -58,7 +61,8 @@ def test_the_bound_holds_through_a_release_and_an_emergency_stop_and_the_status_
 ) -> None:
     bounded = wind(BOUND)
     assert work(unbounded) > BOUND >= work(bounded)
-    given_up, since = bounded[:, GIVEN_UP], bounded[:, SINCE]
+    given_up = bounded[:, GIVEN_UP]
+    since = bounded[:, SINCE]
     first = int(np.argmax(given_up > 0))
     assert given_up[first] >= 1
     assert (since[:first] == 0.0).all()

@@ -31,15 +31,18 @@ def main() -> int:
     )
     options = parser.parse_args()
     logging.disable(logging.WARNING)  # of trips whose results need care
-    hunt, begun = Hunt(options.seed), time.monotonic()
+    hunt = Hunt(options.seed)
+    begun = time.monotonic()
     if options.case is not None:
-        for name in [options.relation] if options.relation else list(RELATIONS):
+        names = [options.relation] if options.relation else list(RELATIONS)
+        for name in names:
             hunt.case(options.case, name, frozenset(options.without.split()), shrink=False)
         _tell(hunt.findings)
         print(hunt.table())
         print("\n".join(f"refused: {words}" for words in hunt.refusals))
         return int(bool(hunt.findings))
-    number, told = 0, begun
+    number = 0
+    told = begun
     while time.monotonic() - begun < 60.0 * options.minutes:
         known = len(hunt.findings)
         hunt.case(number, options.relation)
@@ -91,7 +94,9 @@ def _log(hunt: Hunt, minutes: float) -> None:
             for x in hunt.findings
         ],
     }
-    known = json.loads(LOG.read_text(encoding="utf-8")) if LOG.exists() else []
+    known = []
+    if LOG.exists():
+        known = json.loads(LOG.read_text(encoding="utf-8"))
     LOG.write_text(json.dumps([*known, entry], indent=1) + "\n", encoding="utf-8")
 
 

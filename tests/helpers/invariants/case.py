@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 
@@ -58,7 +59,7 @@ class Case:
 
     def moves_in_plane(self) -> bool:
         """Whether nothing leads the rope out of the plane of the loop."""
-        ends = [end for t in self.times for end in self.at(float(t))]
+        ends = chain.from_iterable(self.at(float(t)) for t in self.times)
         return all(end.z == end.yaw == end.lean_z == 0.0 for end in ends)
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import random
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -240,9 +240,11 @@ def rows(seed: int | None = None) -> list[dict[str, str]]:
 
 def _may_be(row: Mapping[str, str]) -> bool:
     """Return whether no choices of a row, or of a part of it, exclude each other."""
-    return not any(
-        all(row.get(name) in choices for name, choices in refusal) for refusal in REFUSALS
-    )
+    return not any(_contains(row, refusal) for refusal in REFUSALS)
+
+
+def _contains(row: Mapping[str, str], refusal: Sequence[Choices]) -> bool:
+    return all(row.get(name) in choices for name, choices in refusal)
 
 
 def default_row() -> dict[str, str]:
@@ -305,14 +307,14 @@ def _require_physics(row: Mapping[str, str], wound: Wound) -> None:
     if bad := [name for name in computed if not np.isfinite(signals[name]).all()]:
         _refuse(row, "wind wrote values that are no numbers", bad)
     data = _data(wound.out)
+    # wind blows on the legs, so that its own drag is the tolerance; else statics is solved to 1e-6
+    share = 1e-5
+    if row["air"] == "wind" or row["bodies"] == "sump":
+        share = 1e-2
     for prefix in (name for name in PREFIXES if f"{name}rope.length" in data):
         weight = GRAVITY * data[f"{prefix}rope.mass_per_length"] * data[f"{prefix}rope.length"]
         pull = -sum(float(signals[f"{prefix}{side}.fy [N]"][0]) for side in ("left", "right"))
-        # wind blows on the legs, so that its own drag is the tolerance; else statics is solved to 1e-6
-        if (
-            abs(pull - weight)
-            > (1e-2 if row["air"] == "wind" or row["bodies"] == "sump" else 1e-5) * weight
-        ):
+        if abs(pull - weight) > share * weight:
             _refuse(row, f"at rest the ropes pull with {pull} N and weigh {weight} N")
     stopped = "Stopped" in wound.messages or "stopped:" in wound.messages
     if stopped != (wound.code == STOPPED):
@@ -341,8 +343,11 @@ def _metrics(wound: Wound, rope: str) -> dict[str, float]:
 def _require_equal(
     row: Mapping[str, str], found: Mapping[str, float], wound: Wound, tolerance: float
 ) -> None:
+    ropes = ("",)
+    if row["ropes"] == "two":
+        ropes = ("front.", "back.")
     values = dict[str, float]()
-    for rope in ("front.", "back.") if row["ropes"] == "two" else ("",):
+    for rope in ropes:
         values |= _metrics(wound, rope)
     for name, value in values.items():
         if not math.isclose(found[name], value, rel_tol=tolerance):
@@ -353,7 +358,8 @@ def _require_same_record(
     row: Mapping[str, str], other: Wound, wound: Wound, tolerance: float
 ) -> None:
     """Require equal signals, to a part of the largest value of each quantity's unit."""
-    a, b = other.signals, wound.signals
+    a = other.signals
+    b = wound.signals
     if len(a) != len(b):
         _refuse(row, f"{row['command']}: {len(a)} rows, and {len(b)} in wind")
     for name in sorted({*a} & {*b}):
@@ -420,7 +426,9 @@ def _export(bench: Bench, row: Mapping[str, str], wound: Wound) -> Path | None:
     fmu = bench.folder / "rope.fmu"
     words = ("--native", "--platform", "host", "--outputs", "all", "--out", str(fmu))
     made = bench.call(row, "export", str(wound.file), *words)
-    return None if made.code == REFUSED else fmu
+    if made.code == REFUSED:
+        return None
+    return fmu
 
 
 def _fmu(bench: Bench, row: Mapping[str, str], wound: Wound) -> str:
@@ -440,7 +448,9 @@ def _table(
 ) -> pd.DataFrame | None:
     out = bench.folder / "table"
     done = bench.call(row, *words, "--out", str(out))
-    return None if done.code == REFUSED else pd.read_csv(out / table)
+    if done.code == REFUSED:
+        return None
+    return pd.read_csv(out / table)
 
 
 def _duty(bench: Bench, row: Mapping[str, str], wound: Wound) -> str:
@@ -481,14 +491,18 @@ def _uncertain(bench: Bench, row: Mapping[str, str], wound: Wound) -> str:
         encoding="utf-8",
     )
     runs = _table(bench, row, ("uncertain", str(file), "--workers", "1"), "windings.csv")
-    return "refused" if runs is None else "right"
+    if runs is None:
+        return "refused"
+    return "right"
 
 
 def _linear(command: str) -> Callable[[Bench, Mapping[str, str], Wound], str]:
     def judged(bench: Bench, row: Mapping[str, str], wound: Wound) -> str:
         out = bench.folder / command
         words = (command, str(wound.file), "--at", "0.1", "--band", "1.0", "--out", str(out))
-        return "refused" if bench.call(row, *words).code == REFUSED else "right"
+        if bench.call(row, *words).code == REFUSED:
+            return "refused"
+        return "right"
 
     return judged
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 import numpy as np
+from signal_names import SIDES
 
 from rope_model import CONSTRUCTIONS, Rope, rope
 from rope_model.catalogue import BEARINGS, rope_of
@@ -21,7 +22,6 @@ from rope_model.scene_names import choices_of
 
 T = TypeVar("T")
 Values = dict[str, Any]
-SIDES = ("left", "right")
 
 LENGTH = (20.0, 1500.0)  # m
 DIAMETER = (0.02, 0.06)  # m
@@ -50,6 +50,12 @@ class Draws:
 
     def chance(self, share: float) -> bool:
         return bool(self._rng.uniform() < share)
+
+    def sometimes_evenly(self, share: float, low: float, high: float) -> float:
+        """Between these bounds in this share of cases, 0 in the others."""
+        if self.chance(share):
+            return self.evenly(low, high)
+        return 0.0
 
     def sign(self) -> float:
         return self.one_of(-1.0, 1.0)
@@ -82,8 +88,10 @@ class Drawn:
 def catalogue_rope(drawn: Drawn) -> None:
     """Any rope of the catalogue, at any place in the ranges of its data."""
     draws = drawn.draws
-    construction, diameter = draws.one_of(*CONSTRUCTIONS), draws.evenly(*DIAMETER)
-    length, lay = draws.in_logarithms(*LENGTH), draws.one_of("right-hand", "left-hand")
+    construction = draws.one_of(*CONSTRUCTIONS)
+    diameter = draws.evenly(*DIAMETER)
+    length = draws.in_logarithms(*LENGTH)
+    lay = draws.one_of("right-hand", "left-hand")
     known = rope(construction, diameter, length, lay)
     made = rope_of(
         diameter,
@@ -104,7 +112,8 @@ def damping(drawn: Drawn) -> None:
 
 def unequal_coupling(drawn: Drawn) -> None:
     """Qb and Qc unequal, as published pairs are, and more; their mean stays."""
-    part, mean = drawn.draws.evenly(-0.3, 0.3), drawn.values["rope.Qb"]
+    part = drawn.draws.evenly(-0.3, 0.3)
+    mean = drawn.values["rope.Qb"]
     drawn.values |= {"rope.Qb": (1 + part) * mean, "rope.Qc": (1 - part) * mean}
 
 
@@ -126,9 +135,7 @@ def permanent_curvature(drawn: Drawn) -> None:
     # of ropes that do not roll over: below 4 Qd / L, see docs/theory/rope.md
     most = min(0.05, 0.4 * drawn.values["rope.Qd"] / (drawn.length * drawn.values["rope.EI"]))
     drawn.values["rope.initial_curvature"] = draws.evenly(0.2, 1.0) * most
-    drawn.values["rope.initial_curvature_angle"] = (
-        draws.evenly(-0.5, 0.5) if draws.chance(0.5) else 0.0
-    )
+    drawn.values["rope.initial_curvature_angle"] = draws.sometimes_evenly(0.5, -0.5, 0.5)
     if draws.chance(0.5):
         for place in ("left", "1", "2", "middle", "4", "5", "right"):
             for across in ("", "_across"):
@@ -156,7 +163,7 @@ def swivels(drawn: Drawn) -> None:
             f"{name}.mean_diameter": draws.evenly(0.06, 0.2),
             f"{name}.mu_kinetic": running,
             f"{name}.mu_static": running * starting,
-            f"{name}.seal_moment": draws.evenly(0.0, 3.0) if draws.chance(0.3) else 0.0,
+            f"{name}.seal_moment": draws.sometimes_evenly(0.3, 0.0, 3.0),
             f"{name}.inertia": draws.in_logarithms(0.01, 0.3),
             f"{name}.release_time": _release_time(draws, drawn.duration),
             f"{name}.start": draws.word(f"{name}.start"),
@@ -177,7 +184,8 @@ def attachments(drawn: Drawn) -> None:
 
 def mesh(drawn: Drawn) -> None:
     """Kinds other than the fitted one, with elements that resolve the loop's bend."""
-    draws, kind = drawn.draws, drawn.draws.one_of("eem", "tmn", "auto")
+    draws = drawn.draws
+    kind = drawn.draws.one_of("eem", "tmn", "auto")
     drawn.values["mesh.kind"] = drawn.code("mesh.kind", kind)
     if kind == "eem":
         drawn.values["mesh.elements"] = int(
@@ -194,8 +202,10 @@ def mesh(drawn: Drawn) -> None:
         drawn.values |= {
             "mesh.coarse_length": coarse,
             "mesh.end_levels": draws.one_of(0, 1, 2, 3),
-            "mesh.grading_length": draws.one_of(0.0, 0.5, 1.0) if drawn.length < 400 else 1.0,
+            "mesh.grading_length": 1.0,
         }
+        if drawn.length < 400:
+            drawn.values["mesh.grading_length"] = draws.one_of(0.0, 0.5, 1.0)
     else:
         drawn.values["mesh.loop_error"] = draws.in_logarithms(1e-3, 0.05)
 
@@ -241,15 +251,16 @@ def stations(drawn: Drawn) -> None:
 
 def lining(drawn: Drawn) -> None:
     """The shaft's wall: a rectangle or a circle, with the ends inside."""
-    draws, width = drawn.draws, drawn.spacing + drawn.draws.evenly(1.0, 4.0)
-    round_ = draws.chance(0.5)
-    drawn.values |= {
-        "lining.width": width,
-        "lining.depth": width if round_ else draws.evenly(1.0, 5.0),
-        "lining.rounding": 1.0 if round_ else draws.evenly(0.0, 0.5),
-        "lining.x": draws.evenly(-0.2, 0.2),
-        "lining.z": draws.evenly(-0.2, 0.2),
-    }
+    draws = drawn.draws
+    width = drawn.spacing + drawn.draws.evenly(1.0, 4.0)
+    drawn.values["lining.width"] = width
+    if draws.chance(0.5):
+        drawn.values |= {"lining.depth": width, "lining.rounding": 1.0}
+    else:
+        drawn.values["lining.depth"] = draws.evenly(1.0, 5.0)
+        drawn.values["lining.rounding"] = draws.evenly(0.0, 0.5)
+    drawn.values["lining.x"] = draws.evenly(-0.2, 0.2)
+    drawn.values["lining.z"] = draws.evenly(-0.2, 0.2)
 
 
 def conveyances(drawn: Drawn) -> None:
@@ -298,7 +309,8 @@ def self_contact(drawn: Drawn) -> None:
 
 
 def guards(drawn: Drawn) -> None:
-    draws, low = drawn.draws, -0.45 * drawn.length
+    draws = drawn.draws
+    low = -0.45 * drawn.length
     thresholds = {
         "rise": (0.05, 2.0),
         "window": (0.05, 2.0),

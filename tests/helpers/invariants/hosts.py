@@ -72,8 +72,11 @@ def _compared(case: Case, record: Record, host: Host) -> Iterator[Compared]:
     rows = [host.get(*COMPARED)]
     ours = [[*record.rope.signals(COMPARED).values()]]
     for k in range(1, len(case.times)):
-        begin, h = float(case.times[k - 1]), float(case.times[k] - case.times[k - 1])
-        at = begin if case.late else begin + h
+        begin = float(case.times[k - 1])
+        h = float(case.times[k] - case.times[k - 1])
+        at = begin + h
+        if case.late:
+            at = begin
         _move(host, case, at)
         said = host.step(begin, h)
         status = record.rope.advance_to(begin + h, *case.at(at), at)
@@ -85,7 +88,8 @@ def _compared(case: Case, record: Record, host: Host) -> Iterator[Compared]:
             break
         rows.append(host.get(*COMPARED))
         ours.append([*record.rope.signals(COMPARED).values()])
-    there, here = np.array(rows), np.array(ours)
+    there = np.array(rows)
+    here = np.array(ours)
     for group in (FORCES, MEANS, MOMENTS, PLACE):
         chosen = [COMPARED.index(name) for name in group]
         largest = max(float(np.abs(here[:, chosen]).max()), 1.0)
@@ -155,7 +159,8 @@ def _trip(case: Case, draws: Draws) -> Trip:
 def trip_in_c(case: Case, draws: Draws) -> Iterator[Compared]:
     """A trip of a hoist in C against the loop in Python."""
     trip = _trip(case, draws)
-    one, two = trip.run(), trip.run(in_python=True)
+    one = trip.run()
+    two = trip.run(in_python=True)
     if (one.cause, one.completed, one.steps) != (two.cause, two.completed, two.steps):
         raise Finding(
             f"one ends with {one.cause!r} after {one.steps} steps, one with {two.cause!r} after {two.steps}"
@@ -196,14 +201,16 @@ def mirrored_hoist(case: Case, draws: Draws) -> Iterator[Compared]:
         winding=replace(trip.winding, travel=-trip.winding.travel),
         rope={_opposite(name): value for name, value in trip.rope.items()},
     )
-    one, two = trip.run(), other.run()
+    one = trip.run()
+    two = other.run()
     if one.completed != two.completed or one.steps != two.steps:
         raise Finding(
             f"one ends with {one.cause!r} after {one.steps} steps, one with {two.cause!r} after {two.steps}"
         )
     if not one.recording.signals:
         raise Refused(f"hung: {one.cause}")
-    # the drive's first step differs by the sign of its rounding; the rope's own decisions may differ
+    # the drive's first step differs by the sign of its rounding; the rope's own decisions may
+    # differ
     forces = max(float(np.abs(one.recording[f"{side}.fy"]).max()) for side in ("left", "right"))
     for name, sign in (("left.fy", 1.0), ("right.fy", 1.0), ("left.fx", -1.0), ("left.fz", -1.0)):
         difference = two.recording[_opposite(name)] - sign * one.recording[name]

@@ -17,13 +17,21 @@ Relation = Callable[[Case, Draws], Iterator[Compared]]
 #: all relations by name
 RELATIONS: dict[str, Relation] = {
     relation.__name__: relation
-    for module in (symmetries, books, neutral, states, steps, hosts)
-    for relation in (*module.RELATIONS, *(hosts.SELDOM if module is hosts else ()))
+    for relation in (
+        *symmetries.RELATIONS,
+        *books.RELATIONS,
+        *neutral.RELATIONS,
+        *states.RELATIONS,
+        *steps.RELATIONS,
+        *hosts.RELATIONS,
+        *hosts.SELDOM,
+    )
 }
 #: relations that are tried on each case, so that many cases are seen
 TRIED = 3
-#: those that wind a whole hoist are tried so seldom
-SELDOM, SHARE_OF_SELDOM = tuple(relation.__name__ for relation in hosts.SELDOM), 0.05
+#: those that wind a whole hoist are tried in this share of the cases
+SELDOM = tuple(relation.__name__ for relation in hosts.SELDOM)
+SHARE_OF_SELDOM = 0.05
 #: share of cases that the product may refuse
 MOST_REFUSED = 0.3
 
@@ -43,7 +51,9 @@ class Outcome:
 
     @property
     def ratio(self) -> float:
-        return self.worst.ratio if self.worst else 0.0
+        if self.worst is None:
+            return 0.0
+        return self.worst.ratio
 
     @property
     def is_finding(self) -> bool:
@@ -56,8 +66,10 @@ class Outcome:
     @property
     def command(self) -> str:
         """The command that shows it again."""
-        less = f' WITHOUT="{" ".join(sorted(self.without))}"' if self.without else ""
-        return f"make hunt SEED={self.seed} CASE={self.number} RELATION={self.relation}{less}"
+        command = f"make hunt SEED={self.seed} CASE={self.number} RELATION={self.relation}"
+        if self.without:
+            command += f' WITHOUT="{" ".join(sorted(self.without))}"'
+        return command
 
 
 def judge(name: str, seed: int, number: int, without: frozenset[str] = frozenset()) -> Outcome:
@@ -149,9 +161,12 @@ class Hunt:
                 refused |= outcome.refused.startswith(("made", "hung"))
             elif outcome.is_finding:
                 row.findings += 1
-                # the others of a relation are as a rule the same, and a smaller case takes twenty runs
+                # the others of a relation are as a rule the same, and a smaller case takes twenty
+                # runs
                 first = all(known.relation != name for known in self.findings)
-                self.findings.append(smaller(outcome) if shrink and first else outcome)
+                if shrink and first:
+                    outcome = smaller(outcome)
+                self.findings.append(outcome)
             else:
                 row.worst = max(row.worst, outcome.ratio)
             row.seconds += time.process_time() - begun

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from scenes import smooth_step
+from signal_names import SIDES
 
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
-from invariants.features import SIDES, Drawn, Draws
+from invariants.features import Drawn, Draws
 from rope_model import EndMotion
 from rope_model.scene_names import choices_of
 
@@ -44,7 +46,8 @@ def _move(at: float, by: float, start: float, duration: float) -> Coordinate:
 
 def _sum(parts: list[Coordinate]) -> Coordinate:
     def coordinate(t: float) -> Along:
-        y, v, a = (sum(x) for x in zip(*(part(t) for part in parts), strict=True))
+        values = [part(t) for part in parts]
+        y, v, a = map(sum, zip(*values, strict=True))
         return y, v, a
 
     return coordinate
@@ -98,7 +101,9 @@ def _vertical(draws: Draws, length: float, duration: float, start: float) -> tup
     """One of trip, emergency stop, hold and small moves, from height 0; at least half of the height is left."""
     kind = draws.one_of("trip", "trip", "emergency stop", "hold", "small moves")
     reach = 0.1 * length
-    sign = draws.sign() if abs(start) < 0.5 * length else -1.0 if start > 0 else 1.0
+    sign = -math.copysign(1.0, start)
+    if abs(start) < 0.5 * length:
+        sign = draws.sign()
     if kind == "hold":
         return kind, _rest(0.0)
     if kind == "small moves":
@@ -144,12 +149,15 @@ def draw_motion(
         told = Draws(seed, number, f"has {name}").chance(MOVES[name]) and name not in without
         return told and name not in _CANNOT_FOLLOW.get(choices_of("model.fidelity")[code], ())
 
-    length, duration, names = drawn.length, drawn.duration, list[str]()
+    length = drawn.length
+    duration = drawn.duration
+    names = list[str]()
     draws = Draws(seed, number, "vertical")
     apart = draws.evenly(*APART) * length
     kind, left_y = _vertical(draws, length, duration, apart)
     if kind in without:
-        kind, left_y = "hold", _rest(0.0)
+        kind = "hold"
+        left_y = _rest(0.0)
     names.append(kind)
     factor = -1.0
     if has("unequal ends"):
@@ -172,12 +180,14 @@ def draw_motion(
         for end in ends:
             for axis in ("x", "z"):
                 by = _moves_aside(draws, duration, min(0.3, 0.01 * length))
-                end[axis] = _sum([end[axis], by]) if axis in end else by
+                if axis in end:
+                    by = _sum([end[axis], by])
+                end[axis] = by
     if has("yaw"):
         names.append("yaw")
         draws = Draws(seed, number, "yaw")
         for end in ends:
-            at = draws.evenly(-1.0, 1.0) if draws.chance(0.5) else 0.0
+            at = draws.sometimes_evenly(0.5, -1.0, 1.0)
             end["yaw"] = _sum([_rest(at), _moves_aside(draws, duration, 0.5)])
     if has("lean"):
         draws = Draws(seed, number, "lean")

@@ -25,7 +25,8 @@ from invariants.symmetries import (
 )
 from rope_model import BalanceRope, PointForces
 
-#: changes that leave every bit alone, and the values that a scene must have so that each has no effect
+#: changes that leave every bit alone, and the values that a scene must have so that each has no
+#: effect
 WITHOUT_EFFECT: Mapping[str, tuple[Mapping[str, float], Mapping[str, float]]] = {
     "air that is not there": (
         {"air.drag": 3.0, "air.buffet": 0.5, "air.vx": 5.0},
@@ -125,7 +126,8 @@ def bodies_far_away(case: Case, draws: Draws) -> Iterator[Compared]:
     one, two = both(
         case, case.with_(scene=with_changes(case.scene, {**values_of(case.scene), **far}))
     )
-    # the mesh is fitted before the ends have heights: a divider between the legs has finer elements, however high it is
+    # the mesh is fitted before the ends have heights: a divider between the legs has finer
+    # elements, however high it is
     require(meshes_agree(one, two), "another mesh")
     yield from compared(one, two, {name: one[name] for name in ALL})
 
@@ -152,7 +154,8 @@ def forces_of_nothing(case: Case, draws: Draws) -> Iterator[Compared]:
     values = values_of(case.scene)
     if values["model.fidelity"] in (0, 4):  # a rigid rope refuses point forces, as it says
         scene = with_changes(case.scene, {**values, "model.fidelity": 1})
-        case, other = case.with_(scene=scene), other.with_(scene=scene)
+        case = case.with_(scene=scene)
+        other = other.with_(scene=scene)
     one, two = both(case, other)
     yield from _equal(one, two)
 

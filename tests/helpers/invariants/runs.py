@@ -6,16 +6,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from signal_names import of_both_ends
 
 from invariants.case import Array, Case
 from rope_model import BalanceRope, balance_rope
 
-SIDES = ("left", "right")
-FORCES = tuple(f"{side}.f{axis}" for side in SIDES for axis in "xyz")
-MOMENTS = tuple(f"{side}.m{axis}" for side in SIDES for axis in "xyz")
-MEANS = tuple(f"{side}.fy_mean" for side in SIDES)
+FORCES = of_both_ends("fx", "fy", "fz")
+MOMENTS = of_both_ends("mx", "my", "mz")
+MEANS = of_both_ends("fy_mean")
 PLACE = ("loop.x", "loop.y", "loop.z")
-SWIVELS = tuple(f"{side}.swivel.{name}" for side in SIDES for name in ("angle", "rate", "torque"))
+SWIVELS = of_both_ends("swivel.angle", "swivel.rate", "swivel.torque")
 ENERGIES = ("energy.kinetic", "energy.strain", "energy.work_ends", "energy.residual")
 COUNTS = (
     "count.steps",
@@ -29,7 +29,8 @@ BODIES = tuple(
 )
 GUARDS = ("guard.tripped", "guard.cause", "guard.time")
 ESTIMATES = ("status.end_force_error", "status.loop_error", "audit.momentum")
-#: elements times steps of a run, some 0.2 s of a processor; a longer run is cut to the communication steps so far
+#: elements times steps of a run, some 0.2 s of a processor; a longer run is cut to the
+#: communication steps so far
 WORK = 40_000
 #: work of an element in contact with the rope's others, over that without
 PAIRS = 10
@@ -142,7 +143,9 @@ def wind(case: Case, before: Before | None = None, work: float | None = None) ->
     """The case from its start to its end, to the step that is refused, or until it has taken ``work`` (WORK)."""
     bound = WORK if work is None else work
     record = start(case)
-    each = record.rope.elements * (PAIRS if case.scene.shaft.contact.rope_stiffness > 0 else 1)
+    each = record.rope.elements
+    if case.scene.shaft.contact.rope_stiffness > 0:
+        each *= PAIRS
     for k in range(1, len(case.times)):
         if each * record.rows[-1][_STEPS] > bound:
             record.case = case.with_(times=case.times[:k])
@@ -160,11 +163,15 @@ def wind(case: Case, before: Before | None = None, work: float | None = None) ->
 def step(case: Case, rope: BalanceRope, k: int) -> str:
     """Step ``k`` of the case; what the rope says if it refuses."""
     t = float(case.times[k])
-    given_at = float(case.times[k - 1]) if case.late else t
+    given_at = t
+    if case.late:
+        given_at = float(case.times[k - 1])
     status = rope.advance_to(t, *case.at(given_at), given_at)
-    if not status.valid and len(status.message) < 20:
+    if status.valid:
+        return ""
+    if len(status.message) < 20:
         raise Finding(f"a step to {t:g} s fails without a sentence: {status.message!r}")
-    return "" if status.valid else status.message
+    return status.message
 
 
 def _read(record: Record) -> None:
@@ -188,8 +195,8 @@ class Compared:
     def ratio(self) -> float:
         if not np.isfinite(self.difference):
             return float("inf")
-        if self.difference <= self.tolerance:
-            return self.difference / self.tolerance if self.tolerance > 0 else 0.0
+        if self.difference <= self.tolerance <= 0.0:
+            return 0.0
         return self.difference / max(self.tolerance, 1e-300)
 
     def __str__(self) -> str:
@@ -206,4 +213,6 @@ def same_end(one: Record, other: Record) -> None:
 
 
 def rms(x: Array) -> float:
-    return float(np.sqrt(np.mean(x * x))) if x.size else 0.0
+    if x.size == 0:
+        return 0.0
+    return float(np.sqrt(np.mean(x * x)))

@@ -48,7 +48,9 @@ def restored(case: Case, draws: Draws) -> Iterator[Compared]:
     chosen = {1 + int(draws.evenly(0.0, max(last - 1, 1))): draws.one_of(*WAYS) for _ in range(4)}
 
     def before(rope: BalanceRope, k: int) -> BalanceRope:
-        return chosen[k](one.case, rope) if k in chosen else rope
+        if k not in chosen:
+            return rope
+        return chosen[k](one.case, rope)
 
     two = wind(one.case, before, work=np.inf)
     yield from _to_the_bit(one, two)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from ctypes import c_double
 
 import numpy as np
+from signal_names import SIDES
 
 from invariants.books import require
 from invariants.case import Array, Case
@@ -16,7 +17,6 @@ from invariants.runs import (
     FORCES,
     MEANS,
     PLACE,
-    SIDES,
     Compared,
     Record,
     Refused,
@@ -32,9 +32,11 @@ from rope_model.rules.signal_table import LOADS
 
 #: relative rounding of a motion that went through 14 decimals
 ROUNDED = 1e-14
-#: of the largest derivative: Newton's method leaves some of a step's force, and differences as much of theirs
+#: of the largest derivative: Newton's method leaves some of a step's force, and differences as much
+#: of theirs
 DERIVATIVE = 0.05
-#: m/s^3 (rad/s^3), jerk of the largest change of an input: the input filter follows no larger one at once
+#: m/s^3 (rad/s^3), jerk of the largest change of an input: the input filter follows no larger one
+#: at once
 JERK = 0.05
 #: rad, largest change of a lean
 LEAN = 1e-6
@@ -70,7 +72,8 @@ def within_estimates(one: Record, two: Record, first: Array, second: Array) -> I
     """RMS of the end forces and the largest error of the loop's place, of rows of READ at the same instants."""
     from invariants.runs import READ
 
-    forces, places = ([READ.index(name) for name in names] for names in (FORCES, PLACE))
+    forces = [*map(READ.index, FORCES)]
+    places = [*map(READ.index, PLACE)]
     difference = second[:, forces] - first[:, forces]
     worst = max(rms(difference[:, k]) for k in range(difference.shape[1]))
     errors = one.force_error + two.force_error
@@ -118,7 +121,9 @@ def flat(case: Case, draws: Draws) -> Iterator[Compared]:
         if name.startswith(
             ("rope.curvature_", "rope.initial_curvature", "rope.installed_twist", "guard.")
         ):
-            values[name] = 0.0 if not name.endswith("_y") else -1e6
+            values[name] = 0.0
+    for name in ("guard.rise_y", "guard.window_y"):
+        values[name] = -1e6
     values |= {
         "rope.Qb": 0.0,
         "rope.Qc": 0.0,
@@ -159,14 +164,14 @@ def derivatives(case: Case, draws: Draws) -> Iterator[Compared]:
     names = ("x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az", "yaw", "yaw_rate")
     side = int(draws.chance(0.5))
     end = (case.scene.left, case.scene.right)[side]
-    leans = ("lean", "lean_z") if end.attachment == "clamped" else ()
+    leans: tuple[str, ...] = ()
+    if end.attachment == "clamped":
+        leans = ("lean", "lean_z")
     name = draws.one_of("y", "vy", "ay", "ay", *names, *leans)
     order = (name[0] == "v" or name == "yaw_rate") + 2 * (name[0] == "a")
-    size = (
-        LEAN
-        if name in leans
-        else JERK * float(case.times[last] - case.times[last - 1]) ** (3 - order)
-    )
+    size = JERK * float(case.times[last] - case.times[last - 1]) ** (3 - order)
+    if name in leans:
+        size = LEAN
 
     def loads(change: float) -> tuple[Array, list[float]]:
         rope.restore_native(kept)
@@ -182,7 +187,8 @@ def derivatives(case: Case, draws: Draws) -> Iterator[Compared]:
         return np.array([found[x] for x in LOADS]), [found[x] for x in COUNTS]
 
     _, taken = loads(0.0)
-    lib, handle = rope.library.lib, rope.library.rope
+    lib = rope.library.lib
+    handle = rope.library.rope
     found = (c_double * 12)()
     number = len(fields) * side + fields.index(name)
     if not lib.rope_load_derivative(handle, number, int(not case.late), found):
@@ -190,7 +196,8 @@ def derivatives(case: Case, draws: Draws) -> Iterator[Compared]:
     derivative = np.array(found)
 
     def against(change: float) -> list[Compared]:
-        (more, steps_more), (less, steps_less) = loads(change), loads(-change)
+        more, steps_more = loads(change)
+        less, steps_less = loads(-change)
         if not steps_more == steps_less == taken:
             return []
         difference = (more - less) / (2 * change)

@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from signal_names import SIDES, of_both_ends
 
 from invariants.case import Array, Case
 from invariants.features import Draws
@@ -24,7 +25,6 @@ from invariants.runs import (
     MOMENTS,
     PLACE,
     READ,
-    SIDES,
     Compared,
     Finding,
     Record,
@@ -39,10 +39,11 @@ from rope_model.parameters import AT_START
 from rope_model.scene_names import named_parameters, with_values
 
 #: of the largest value: forces of stiff elements amplify the rounding of positions of 1000 m,
-#: 1e-13 m x EA / l = 1e-5 N;
-#: beside what one of Newton's corrections a step leaves, which the next steps take over and the audit sees
+#: 1e-13 m x EA / l = 1e-5 N; beside what one of Newton's corrections a step leaves, which the next steps
+#: take over and the audit sees
 ROUNDING = 1e-6
-#: of the sum of both runs' estimates; an estimate is within a factor of 2 in 85 of 100 scenes (docs/promise.md)
+#: of the sum of both runs' estimates; an estimate is within a factor of 2 in 85 of 100 scenes
+#: (docs/promise.md)
 SHARE = 3.0
 Values = dict[str, float | int]
 ALL = (*FORCES, *MEANS, *MOMENTS, *PLACE)
@@ -71,7 +72,7 @@ def with_changes(scene: Scene, values: Values) -> Scene:
 
 
 def negated(motion: EndMotion, names: tuple[str, ...]) -> EndMotion:
-    return EndMotion(**{name: -x if name in names else x for name, x in vars(motion).items()})
+    return replace(motion, **{name: -getattr(motion, name) for name in names})
 
 
 def both(case: Case, changed: Case) -> tuple[Record, Record]:
@@ -92,7 +93,8 @@ def both_of(first: Record, changed: Case) -> tuple[Record, Record]:
 def meshes_agree(one: Record, other: Record, from_behind: bool = False) -> bool:
     """Whether elements have the same lengths."""
     lengths, others = (np.diff(record.rope.rows()[:, 0]) for record in (one, other))
-    others = others[::-1] if from_behind else others
+    if from_behind:
+        others = others[::-1]
     return len(lengths) == len(others) and bool(np.allclose(lengths, others, rtol=1e-9))
 
 
@@ -112,14 +114,21 @@ def compared(
     exact: bool = True,
 ) -> Iterator[Compared]:
     """``other`` against ``expected``, the signals that follow from ``one``; ``exact`` up to rounding."""
-    # what lies on the floor pulls at nothing: its place at rest is a matter of rounding, as is its lowest point
+    # what lies on the floor pulls at nothing: its place at rest is a matter of rounding, as is its
+    # lowest point
     lies = one["contact.floor"][0] > 0.0
     names = tuple(name for name in names if not (lies and name in ("loop.x", "loop.z")))
     alike = exact and decisions_agree(one, other) and not lies
-    estimate = 0.0 if alike else SHARE
+    if alike:
+        estimate = 0.0
+        note = ""
+    else:
+        estimate = SHARE
+        note = ", steps differ"
     force = one.force
     loop_errors = estimate * (one.loop_error + other.loop_error)
-    # a leg between its end and a loop that is beside its place leans: it pulls aside, and bends at a clamp
+    # a leg between its end and a loop that is beside its place leans: it pulls aside, and bends at
+    # a clamp
     rope = one.case.scene.rope
     lean = loop_errors / (0.5 * rope.length)
     bend = lean * math.sqrt(max(rope.EI, rope.EI_stick) * force)
@@ -145,9 +154,7 @@ def compared(
             continue
         differences = {name: rms(other[name] - expected[name]) for name in chosen}
         worst = max(differences, key=lambda name: differences[name])
-        yield Compared(
-            f"RMS of {worst}{'' if alike else ', steps differ'}", differences[worst], tolerance
-        )
+        yield Compared(f"RMS of {worst}{note}", differences[worst], tolerance)
 
 
 def mirrored(case: Case, draws: Draws) -> Iterator[Compared]:
@@ -162,7 +169,9 @@ def mirrored(case: Case, draws: Draws) -> Iterator[Compared]:
     )
     flipped += tuple(f"rope.curvature_{place}_across" for place in PLACES)
     flipped += tuple(f"{name}.direction" for name in DIVIDERS)
-    values = {name: -x if name in flipped else x for name, x in values_of(case.scene).items()}
+    values = values_of(case.scene)
+    for name in flipped:
+        values[name] = -values[name]
     axes = ("z", "vz", "az", "yaw", "yaw_rate", "lean_z")
 
     def motion(t: float) -> Ends:
@@ -172,9 +181,7 @@ def mirrored(case: Case, draws: Draws) -> Iterator[Compared]:
     force = case.force and (case.force[0], case.force[1] * [1.0, 1.0, -1.0])
     other = case.with_(scene=with_changes(case.scene, values), motion=motion, force=force)
     one, two = both(case, other)
-    signs = {
-        name: -1.0 for side in SIDES for name in (f"{side}.fz", f"{side}.mx", f"{side}.my")
-    } | {"loop.z": -1.0}
+    signs = dict.fromkeys((*of_both_ends("fz", "mx", "my"), "loop.z"), -1.0)
     yield from compared(one, two, _with_signs(one, signs))
 
 
@@ -188,10 +195,8 @@ def seen_from_behind(case: Case, draws: Draws) -> Iterator[Compared]:
                 values[name.replace(side, opposite, 1)] = x
     for name in ("lining.x", "lining.z", "air.vx", "air.vz", *(f"{x}.offset" for x in DIVIDERS)):
         values[name] = -old[name]
-    values["station.first"], values["station.last"] = (
-        1.0 - old["station.last"],
-        1.0 - old["station.first"],
-    )
+    values["station.first"] = 1.0 - old["station.last"]
+    values["station.last"] = 1.0 - old["station.first"]
     # the direction of the curvature is that at the other end, which the installed twist has turned
     if is_bent(case):
         angle = -old["rope.initial_curvature_angle"] - old["rope.installed_twist"]
@@ -219,7 +224,8 @@ def seen_from_behind(case: Case, draws: Draws) -> Iterator[Compared]:
     expected |= {"loop.x": -one["loop.x"], "loop.y": one["loop.y"], "loop.z": -one["loop.z"]}
     # where an odd number of elements is left for the windows of dividers, the left leg has one more
     exact = meshes_agree(one, two, from_behind=True)
-    # the direction of a curvature is carried along from the left end: the ends' frames agree to the order of the mesh
+    # the direction of a curvature is carried along from the left end: the ends' frames agree to the
+    # order of the mesh
     exact &= not (is_bent(case) and any(end.lean_z for end in case.at(case.start)))
     yield from compared(one, two, expected, exact=exact)
 
@@ -240,24 +246,29 @@ def turned(case: Case, draws: Draws) -> Iterator[Compared]:
     Motions that the input filter completes or extrapolates are completed along X and Z, each within bounds of its own.
     """
     angle = draws.evenly(-3.0, 3.0)
-    c, s = math.cos(angle), math.sin(angle)
+    c = math.cos(angle)
+    s = math.sin(angle)
     values = values_of(case.scene)
     values |= {"model.fidelity": 1, "conveyance.width": 0.0, "head_ropes.diameter": 0.0}
     if values["lining.depth"] != values["lining.width"] or values["lining.rounding"] != 1.0:
         values["lining.width"] = 0.0
     case = case.with_(scene=with_changes(case.scene, values))
     for x, z in (("lining.x", "lining.z"), ("air.vx", "air.vz")):
-        values[x], values[z] = c * values[x] + s * values[z], c * values[z] - s * values[x]
+        at_x = values[x]
+        at_z = values[z]
+        values[x] = c * at_x + s * at_z
+        values[z] = c * at_z - s * at_x
     for name in DIVIDERS:
         values[f"{name}.direction"] += angle
     half = 0.5 * case.scene.layout.spacing
 
     def end(motion: EndMotion, nominal: float) -> EndMotion:
-        old = vars(motion)
+        old = dict(vars(motion))
+        old["x"] += nominal
         new = dict(old)
         for x, z in (("x", "z"), ("vx", "vz"), ("ax", "az"), ("lean", "lean_z")):
-            at = old[x] + (nominal if x == "x" else 0.0)
-            new[x], new[z] = c * at + s * old[z], c * old[z] - s * at
+            new[x] = c * old[x] + s * old[z]
+            new[z] = c * old[z] - s * old[x]
         new["x"] -= nominal
         new["yaw"] += angle
         return EndMotion(**new)
@@ -275,15 +286,18 @@ def turned(case: Case, draws: Draws) -> Iterator[Compared]:
     )
     expected = {name: one[name] for name in ALL}
     for what in ("left.f", "left.m", "right.f", "right.m", "loop."):
-        x, z = one[f"{what}x"], one[f"{what}z"]
-        expected[f"{what}x"], expected[f"{what}z"] = c * x + s * z, c * z - s * x
+        x = one[f"{what}x"]
+        z = one[f"{what}z"]
+        expected[f"{what}x"] = c * x + s * z
+        expected[f"{what}z"] = c * z - s * x
     exact = not case.late and case.scene.inputs.given == "all"
     yield from compared(one, two, expected, exact=exact)
 
 
 def shifted(case: Case, draws: Draws) -> Iterator[Compared]:
     """Elsewhere in the shaft's coordinates."""
-    dx, dz = draws.evenly(-20.0, 20.0), draws.evenly(-20.0, 20.0)
+    dx = draws.evenly(-20.0, 20.0)
+    dz = draws.evenly(-20.0, 20.0)
     dy = draws.evenly(-300.0, 300.0)
     if case.scene.model.fidelity in ("planar", "rigid"):
         dz = 0.0  # they take no z at all
@@ -344,14 +358,14 @@ class Units:
             "kg": self.kg,
             "N": self.kg * self.m / self.s**2,
             "rad": 1.0,
-            "1": 1.0,
         }
         sizes |= {"Pa": sizes["N"] / self.m**2, "J": sizes["N"] * self.m, "": 1.0}
-        factor, sign = 1.0, 1
+        factor = 1.0
+        sign = 1
         for part in unit.split("/"):
             for word in part.split("."):
-                name = word.rstrip("0123456789") or "1"
-                power = int(word[len(name) :] or 1) if name != "1" else 1
+                name = word.rstrip("0123456789")
+                power = int(word[len(name) :] or 1)
                 factor *= sizes[name] ** (sign * power)
             sign = -1
         return factor
@@ -362,15 +376,17 @@ def in_units(case: Case, units: Units) -> Case:
     values: Values = {}
     for p in named_parameters(case.scene):
         stays = isinstance(p.value, int) or NONE.get(p.name) == p.value
-        values[p.name] = p.value if stays else p.value * units.factor(p.facts.unit)
+        values[p.name] = p.value
+        if not stays:
+            values[p.name] *= units.factor(p.facts.unit)
     table = parameters_of(EndMotion)
     factors = {name: units.factor(table[name].unit) for name in table}
 
+    def scaled(end: EndMotion) -> EndMotion:
+        return EndMotion(**{name: x * factors[name] for name, x in vars(end).items()})
+
     def motion(t: float) -> Ends:
-        left, right = (
-            EndMotion(**{name: x * factors[name] for name, x in vars(end).items()})
-            for end in case.at(t / units.s)
-        )
+        left, right = map(scaled, case.at(t / units.s))
         return left, right
 
     force = case.force and (case.force[0] * units.m, case.force[1] * units.factor("N"))
