@@ -432,7 +432,7 @@ def _pack(state: RopeState) -> bytes:
     m = state.motion
     p = state.partition
     s = layout.StateStructure(
-        **{name: _to_ctypes(getattr(state, name)) for name in layout.ALIKE},
+        **{name: _to_ctypes(getattr(state, name)) for name in layout.SAME_NAMED},
         t=m.t,
         h=m.h,
         power_ends=state.powers.ends,
@@ -464,7 +464,9 @@ def _reader(hint: Any) -> Callable[[Any], Any]:
 
 
 _READERS = {
-    name: _reader(hint) for name, hint in get_type_hints(RopeState).items() if name in layout.ALIKE
+    name: _reader(hint)
+    for name, hint in get_type_hints(RopeState).items()
+    if name in layout.SAME_NAMED
 }
 
 

@@ -97,15 +97,15 @@ def choice(default: T, words: Any, meanings: tuple[str, ...], description: str, 
 
 
 #: caches by data class: its table, and the table in the order of the checks
-_KNOWN: dict[Any, dict[str, Parameter]] = {}
+_TABLES: dict[Any, dict[str, Parameter]] = {}
 _CHECKED: dict[Any, tuple[tuple[str, Parameter], ...]] = {}
 
 
 def parameters_of(kind: type[Any]) -> dict[str, Parameter]:
     """Return the parameters of a data class by name."""
-    if kind not in _KNOWN:
-        _KNOWN[kind] = {f.name: Parameter(**f.metadata) for f in fields(kind)}
-    return _KNOWN[kind]
+    if kind not in _TABLES:
+        _TABLES[kind] = {f.name: Parameter(**f.metadata) for f in fields(kind)}
+    return _TABLES[kind]
 
 
 def check_order(kind: type[Any]) -> tuple[tuple[str, Parameter], ...]:

@@ -33,7 +33,7 @@ from scipy.ndimage import generic_filter
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from hoist_demo.files.reading import Table, beside
+from hoist_demo.files.reading import Table, path_from_file
 from hoist_demo.files.values import Text
 from rope_model import EndMotion, Scene, balance_rope
 from rope_model.parameters import Attachment
@@ -102,7 +102,7 @@ class Markers(Table):
 
     @model_validator(mode="after")
     def _is_there(self, info: ValidationInfo) -> Self:
-        frames = _checked(_read(beside(info, self.file), self), self)
+        frames = _checked(_read(path_from_file(info, self.file), self), self)
         self._spacing, end_paths, markers = _turned(frames, self)
         self._t, self._end_paths = _smoothed(frames, end_paths, self.settle)
         markers[~frames.whole | (frames.t < self.skip)] = np.nan

@@ -17,7 +17,7 @@ from hoist_demo.command_line.support import (
     Commands,
     add_command,
     interruption,
-    named,
+    nonempty_path,
     results_folder,
 )
 from hoist_demo.cosimulation.checkpoint import Checkpoint
@@ -92,7 +92,7 @@ def add_wind(commands: Commands, fmu: Path) -> None:
         "--in-process", action="store_true", help="run the rope in this process, without an FMU"
     )
     wind.add_argument(
-        "--out", type=named, metavar="DIR", help="results (out/wind and the hoist's name)"
+        "--out", type=nonempty_path, metavar="DIR", help="results (out/wind and the hoist's name)"
     )
     wind.add_argument("--check", action="store_true", help="read and check the hoist, wind nothing")
     wind.add_argument(

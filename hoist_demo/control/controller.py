@@ -208,10 +208,10 @@ class SpeedController:
         """Return the force at the rim beyond F_hold [N], and the error of the speed [m/s]."""
         position_ref, speed_ref, _ = motion
         error = speed_ref + self._gains.position * (position_ref - travel) - speed
-        feed_forward = self._gains.feed_forward * self.ahead(motion)
+        feed_forward = self._gains.feed_forward * self.feed_forward(motion)
         return feed_forward + self._gains.speed * error + integral, error
 
-    def ahead(self, motion: Sequence[Any]) -> Any:
+    def feed_forward(self, motion: Sequence[Any]) -> Any:
         """Return the force at the rim of a full feed-forward, beyond F_hold [N]."""
         position, speed, acceleration = motion
         return self._mass * acceleration + self._imbalance_rate * position + self._loss(speed)

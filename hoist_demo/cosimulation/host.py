@@ -516,9 +516,9 @@ class Host:
             return
         part = min((dwelt - first) / (last - first), 1.0)
         now = self.hoist
-        then = self._next_hoist
-        left = now.payload_left + part * (then.payload_left - now.payload_left)
-        right = now.payload_right + part * (then.payload_right - now.payload_right)
+        next_hoist = self._next_hoist
+        left = now.payload_left + part * (next_hoist.payload_left - now.payload_left)
+        right = now.payload_right + part * (next_hoist.payload_right - now.payload_right)
         plant.reload(replace(now, payload_left=left, payload_right=right))
 
     def _result(self, recording: Recording, steps: int, cause: str, course: Course) -> Result:

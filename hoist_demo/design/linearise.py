@@ -38,7 +38,7 @@ HeldBy = Literal["motor", "brake"]
 _MODES = {"locked": 0, "free": 1, "sticking": 2}  #: codes of swivel.mode
 #: Coordinates of an end, and places in a node's row; their accelerations are inputs but for the shared height.
 _END = {"x": 0, "y": 1, "z": 2, "yaw": 6}
-_SHOWN = (
+_DRIVE_OUTPUTS = (
     "angle",
     "rate",
     "motor_rate",
@@ -229,7 +229,7 @@ def _derivatives(structure: Hoist) -> Any:
     )
     rows = ca.vertcat(of.lagrange(x, a, u, l0, p), of.rates(x, u, l0, p))
     outputs = of.outputs(x, u, l0, p)
-    values = ca.vertcat(rows, *(outputs[OUTPUT_INDEX[name]] for name in _SHOWN))
+    values = ca.vertcat(rows, *(outputs[OUTPUT_INDEX[name]] for name in _DRIVE_OUTPUTS))
     jacobians = [ca.densify(ca.jacobian(values, z)) for z in (x, a, u)]
     return ca.Function("derivatives", [x, a, u, l0, p], [ca.cse(y) for y in (*jacobians, values)])
 
@@ -301,7 +301,7 @@ def _linear_hoist(
     B[n:, : len(commands)] = by_u[late][:, [INPUT_NAMES.index(name) for name in commands]]
     B[:n, len(commands)] = -by_x[:n, 0]
     B[1, -2] = B[2, -1] = 1.0
-    seen = [*range(n, n + 2), *range(shown, shown + len(_SHOWN))]
+    seen = [*range(n, n + 2), *range(shown, shown + len(_DRIVE_OUTPUTS))]
     C = by_x[seen][:, [*q, *lag]]
     C_v, C_a = (np.hstack((by[seen], np.zeros((len(seen), len(lag))))) for by in (by_x[:, v], by_a))
     return LinearHoist(
@@ -310,7 +310,7 @@ def _linear_hoist(
         (M, D, K),
         (*commands, "torque", "force_left", "force_right"),
         B,
-        (*_TENSIONS, *_SHOWN),
+        (*_TENSIONS, *_DRIVE_OUTPUTS),
         (C, C_v, C_a),
         np.zeros((len(seen), B.shape[1])),
         np.array([x[0], *([1.0] if held_by == "brake" else []), 0.0, 0.0, 0.0]),
@@ -426,12 +426,12 @@ def _assembled(at: float, hung: _Hung, hoist: LinearHoist) -> LinearModel:
         for k, H in enumerate(hoist.maps)
     ]
     prefixed = [(f"{spec.name}." if spec.name else "", rope) for spec, rope in hung]
-    own = [
+    rope_coordinates = [
         f"rope.{prefix}{k // 7}.{k % 7}"
         for prefix, rope in prefixed
         for k in np.flatnonzero(rope.free)
     ]
-    names = (*hoist.coordinates, *own, *held, *hoist.lags)
+    names = (*hoist.coordinates, *rope_coordinates, *held, *hoist.lags)
     outputs = [f"{prefix}{name}" for prefix, rope in prefixed for name in rope.outputs]
     return LinearModel(
         at,

@@ -157,14 +157,14 @@ def errors_of_file(path: Path) -> Iterator[None]:
         raise FileError(path, str(error).splitlines()) from error
 
 
-def opened_by(info: pydantic.ValidationInfo) -> tuple[Path, ...]:
+def reading_chain(info: pydantic.ValidationInfo) -> tuple[Path, ...]:
     """Return the file that is read, the last, and those that led to it."""
     return info.context or (Path("file"),)
 
 
-def beside(info: pydantic.ValidationInfo, name: str) -> Path:
+def path_from_file(info: pydantic.ValidationInfo, name: str) -> Path:
     """Return the path of a file that the one which is read names."""
-    return opened_by(info)[-1].parent / name
+    return reading_chain(info)[-1].parent / name
 
 
 def _tables(path: Path) -> dict[str, Any]:

@@ -97,12 +97,12 @@ def _differing(starts: Mapping[str, Value | None], scene: Mapping[str, Value]) -
     """Return the values of a scene from which an FMU's start values differ, by name."""
     differing = dict[str, Value]()
     for name, start in starts.items():
-        if name in scene and start is not None and not _same(start, scene[name]):
+        if name in scene and start is not None and not _is_equal(start, scene[name]):
             differing[name] = scene[name]
     return differing
 
 
-def _same(one: Value, other: Value) -> bool:
+def _is_equal(one: Value, other: Value) -> bool:
     if isinstance(one, float) and isinstance(other, int | float):
         return math.isclose(one, other, rel_tol=ROUNDING)
     return one == other

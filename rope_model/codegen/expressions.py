@@ -48,14 +48,14 @@ class _Text(NamedTuple):
     """Text of an expression, and its precedence."""
 
     text: str
-    binds: int
+    precedence: int
     #: parts of elementary.where, a sum of two products: condition and value of the first
     condition: str = ""
     value: str = ""
 
-    def within(self, least: int) -> str:
-        """Return the text as an operand of an operator with the precedence ``least``."""
-        return self.text if self.binds >= least else f"({self.text})"
+    def within(self, outer: int) -> str:
+        """Return the text as an operand of an operator with the precedence ``outer``."""
+        return self.text if self.precedence >= outer else f"({self.text})"
 
 
 def texts_of(values: Sequence[Any]) -> tuple[list[str], list[str]]:
@@ -77,7 +77,7 @@ def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[st
     reciprocals: dict[str, _Text] = {}
     lines: list[str] = []
 
-    def named(text: str) -> _Text:
+    def named_text(text: str) -> _Text:
         lines.append(f"const {kind} t{len(lines)} = {text};")
         return _Text(f"t{len(lines) - 1}", _ATOM)
 
@@ -85,7 +85,7 @@ def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[st
         if is_number(x.text):
             return _Text(repr(1.0 / float(x.text)), _SIGN)
         if x.text not in reciprocals:
-            reciprocals[x.text] = named(f"1.0 / {x.within(_PRODUCT + 1)}")
+            reciprocals[x.text] = named_text(f"1.0 / {x.within(_PRODUCT + 1)}")
         return reciprocals[x.text]
 
     for k in range(f.n_instructions()):
@@ -117,7 +117,7 @@ def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[st
                 and not expression.value
                 and operation != ca.OP_NOT
             ):
-                expression = named(expression.text)
+                expression = named_text(expression.text)
         values[target[0]] = expression
     return lines, [results[index] for index in sorted(results)]
 
@@ -166,6 +166,6 @@ def _expression(operation: int, operands: Sequence[_Text], kind: str) -> _Text:
         )
     if left.value and right.value and _opposite(left.condition, right.condition):
         return _Text(f"{left.condition} ? {left.value} : {right.value}", _CHOICE)
-    sign, binds = _OPERATORS[operation]
+    sign, precedence = _OPERATORS[operation]
     # the right side binds tighter, as it is computed first
-    return _Text(f"{left.within(binds)} {sign} {right.within(binds + 1)}", binds)
+    return _Text(f"{left.within(precedence)} {sign} {right.within(precedence + 1)}", precedence)

@@ -38,7 +38,7 @@ from rope_model.rules.state import RopeState
 
 SHORTEST_ADVANCE = 1e-9  #: s, a shorter one succeeds without a step
 MAX_STEPS = 20_000  #: of an advance, rejected ones included
-OTHERS = "take the engine, balance_rope(scene)"
+CURE = "take the engine, balance_rope(scene)"
 
 
 class ReferenceRope(BalanceRope):
@@ -141,14 +141,16 @@ class ReferenceRope(BalanceRope):
         for _ in range(MAX_STEPS):
             after = step_towards(scene, state, t)
             if isinstance(after, Failure):
-                return Status(False, told(after))
+                return Status(False, failure_message(after))
             h = after.motion.t - state.motion.t
             impulse -= 0.5 * h * (_pulls(state) + _pulls(after))
             state = after
             if state.motion.t >= t:
                 break
         else:
-            return Status(False, told(Failure(Cause.STEPS, state.motion.t, state.step_next)))
+            return Status(
+                False, failure_message(Failure(Cause.STEPS, state.motion.t, state.step_next))
+            )
         mean = impulse / (t - start)
         self._state = replace(state, force_mean=(float(mean[0]), float(mean[1])))
         return Status(True)
@@ -159,21 +161,21 @@ class ReferenceRope(BalanceRope):
         for name in wanted:
             group = group_of(name)
             if group is None:
-                raise ValueError(f"the reference rope does not compute {name}: {OTHERS}")
+                raise ValueError(f"the reference rope does not compute {name}: {CURE}")
             if name not in values:
                 values |= group(self._scene, self.state)
         return {name: values[name] for name in wanted}
 
     def apply(self, forces: PointForces) -> None:
         if forces.s.size:
-            raise ValueError(f"the reference rope takes no point forces: {OTHERS}")
+            raise ValueError(f"the reference rope takes no point forces: {CURE}")
 
     def rows(self) -> NDArray[np.float64]:
         m = self.state.motion
         return np.column_stack((self.state.mesh.nodes_s, m.q[:, :6], m.v[:, :6]))
 
     def displacement(self, forces: PointForces) -> NDArray[np.float64]:
-        raise ValueError(f"the reference rope takes no point forces: {OTHERS}")
+        raise ValueError(f"the reference rope takes no point forces: {CURE}")
 
     def warnings(self) -> dict[str, str]:
         return {}
@@ -203,7 +205,7 @@ class ReferenceRope(BalanceRope):
         self._scene = scene
 
 
-def told(failure: Failure) -> str:
+def failure_message(failure: Failure) -> str:
     """Return cause and cure of a failed step."""
     cause = failure.cause.value
     return (
@@ -218,4 +220,4 @@ def _pulls(state: State) -> NDArray[np.float64]:
 
 
 def _no_engine_state(kept: object) -> RopeState:
-    raise ValueError(f"a state of the reference rope is none of the engine: {OTHERS}")
+    raise ValueError(f"a state of the reference rope is none of the engine: {CURE}")

@@ -70,7 +70,7 @@ def step_towards(scene: Scene, state: State, t_end: float) -> State | Failure:
     new = accepted.new
     if accepted.reaches_stop:
         new = replace(new, t=stop)  # exactly, not up to rounding
-    then = next_step(
+    following = next_step(
         solver=scene.solver,
         h=accepted.h,
         step_next=min(accepted.before.step_next, scene.solver.step_max),
@@ -83,8 +83,8 @@ def step_towards(scene: Scene, state: State, t_end: float) -> State | Failure:
         accepted.before,
         motion=new,
         energies=after_step(state.energies, equations, ends, old, new),
-        step_next=float(then.length),
-        calm_since=float(then.calm_since),
+        step_next=float(following.length),
+        calm_since=float(following.calm_since),
     )
     after = after.with_angles(equations).counted(steps=1)
     after = replace(after, loop_yaw=nearest_turn(yaw_of(after.motion.q), after.loop_yaw))

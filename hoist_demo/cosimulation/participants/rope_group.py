@@ -225,7 +225,7 @@ class RopeGroup:
             f"neighbours.{one}.{other}.force": account.pressure
             for (one, other), account in accounts.items()
         }
-        energies = [(x.energy, x.work, x.dissipated, x.made) for x in accounts.values()]
+        energies = [(x.energy, x.work, x.dissipated, x.created) for x in accounts.values()]
         sums = np.array(energies).reshape(-1, len(CONTACT_ENERGIES)).sum(axis=0)
         return forces | dict(zip(CONTACT_ENERGIES, sums.tolist(), strict=True))
 

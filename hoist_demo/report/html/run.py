@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hoist_demo.cosimulation.participants.rope_data import UNKNOWN, RopeData
+from hoist_demo.cosimulation.participants.rope_data import NO_DATA, RopeData
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.recording.incidents import guard_trip
@@ -27,7 +27,7 @@ TIME_RESOLUTION = 1e-4  #: Error that packing may bring into an instant [s].
 
 
 def run_report(
-    result: Result, hoist: Hoist, report: Report, path: Path, ropes: Sequence[RopeData] = (UNKNOWN,)
+    result: Result, hoist: Hoist, report: Report, path: Path, ropes: Sequence[RopeData] = (NO_DATA,)
 ) -> Path:
     """Write the report of a run, the same bytes but the clock's.
 

@@ -90,7 +90,7 @@ class TimePlot {
       lo = Math.min(lo, limit.value);
       hi = Math.max(hi, limit.value);
     }
-    const least = Math.max(this.panel.least, 1e-9, 1e-6 * Math.max(Math.abs(lo), Math.abs(hi)));
+    const least = Math.max(this.panel.min_range, 1e-9, 1e-6 * Math.max(Math.abs(lo), Math.abs(hi)));
     const grow = Math.max(0, least - (hi - lo)) / 2 + 0.04 * Math.max(least, hi - lo);
     return [lo - grow, hi + grow];
   }
