@@ -162,7 +162,7 @@ class Markers(Table):
         for k, offset in enumerate(start):
             s = np.clip(t - t[0] - k * h, 0.0, h)[:, None, None]
             paths[:, : t.size, :, :3] += quintic.rates(
-                quintic.coefficients(h, offset, 0.0, 0.0, 0.0, 0.0, 0.0), s
+                quintic.coefficients(h, (offset, 0.0, 0.0), (0.0, 0.0, 0.0)), s
             )
         motions = np.concatenate(
             (*paths[..., :3], np.zeros((*paths.shape[1:3], 2)), paths[0, ..., 3:]), axis=2
@@ -404,7 +404,7 @@ def _smoothed(frames: _Frames, end_paths: Array, settle: float) -> tuple[Array, 
         smooth[..., k // 5, k % 5] = [spline(t / frame, order) / frame**order for order in range(3)]
     if settle:
         x, v, a = smooth[:, before.size]
-        path = quintic.coefficients(t[before.size] - t[0], x, 0.0, 0.0, x, v, a)
+        path = quintic.coefficients(t[before.size] - t[0], (x, 0.0, 0.0), (x, v, a))
         smooth[:, : before.size] = quintic.rates(path, (before - t[0])[:, None, None])
     smooth[1:, 0] = 0.0  # the ends rest at first
     return t, smooth

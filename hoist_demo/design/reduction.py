@@ -86,11 +86,11 @@ class ReducedModel:
     share: Array
 
     @property
-    def excess(self) -> str:
-        """Return the channel whose error is farthest above the bounds, as a sentence; "" if all are within."""
+    def excess(self) -> str | None:
+        """Return the channel whose error is farthest above the bounds, as a sentence; None if all are within."""
         excess = np.maximum(self.decibels / MAX_DECIBELS, self.degrees / MAX_DEGREES)
         if float(excess.max(initial=0.0)) <= 1.0:
-            return ""
+            return None
         height, i, k = np.unravel_index(int(np.argmax(excess)), excess.shape)
         return (
             f"at = {self.at[height]:.3g}: a model of {self.A.shape[1]} states errs by "
@@ -190,7 +190,7 @@ def reduced(
     ------
     ValueError
         If there are not so many states, or the models do not share their inputs and outputs; without `states`, if
-        MOST_STATES leave a larger error.
+        MAX_STATES leave a larger error.
     """
     first = models[0]
     if any((m.inputs, m.outputs) != (first.inputs, first.outputs) for m in models):
@@ -199,8 +199,9 @@ def reduced(
     if states is None:
         return reduction.smallest()
     small = reduction.of(states)
-    if text := small.excess:
-        _log.warning("%s: take more states", text)
+    excess = small.excess
+    if excess is not None:
+        _log.warning("%s: take more states", excess)
     return small
 
 
@@ -225,7 +226,7 @@ class _Reduction:
                 if small is None:
                     raise
                 break
-            if not small.excess:
+            if small.excess is None:
                 return small
         if small is None:
             raise ValueError(

@@ -89,7 +89,8 @@ class ReferenceRope(BalanceRope):
 
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
         for side, motion in zip(SIDES, (left, right), strict=True):
-            if message := refusal(motion, side):
+            message = refusal(motion, side)
+            if message is not None:
                 return Status(False, message)
             speed = max(map(abs, (*motion.velocity, motion.yaw_rate)))
             if speed > RESTS_BELOW:
@@ -124,7 +125,8 @@ class ReferenceRope(BalanceRope):
             )
         paths = []
         for side, path, motion in zip(SIDES, before.paths, (left, right), strict=True):
-            if message := refusal(motion, side):
+            message = refusal(motion, side)
+            if message is not None:
                 return Status(False, message)
             ahead = onwards(path, t, motion, age)
             peak = peak_acceleration(ahead)

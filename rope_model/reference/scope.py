@@ -38,12 +38,13 @@ NO_BODIES: dict[str, tuple[float, ...]] = {
 
 def require_published(scene: Scene) -> None:
     """Raise ValueError if the scene holds more than the published system."""
-    if text := unpublished(scene):
+    text = unpublished(scene)
+    if text is not None:
         raise ValueError(f"{text}: take the engine, balance_rope(scene)")
 
 
-def unpublished(scene: Scene) -> str:
-    """Return '' for a scene of the published system; else the first value that is none of it."""
+def unpublished(scene: Scene) -> str | None:
+    """Return None for a scene of the published system; else the first value that is none of it."""
     allowed = dict(PUBLISHED)
     if scene.shaft.contact.stiffness > 0:
         allowed |= NO_BODIES
@@ -57,4 +58,4 @@ def unpublished(scene: Scene) -> str:
                 f"{parameter.name} = {value} must be {bound} for the reference rope, which knows "
                 "the published system only"
             )
-    return ""
+    return None

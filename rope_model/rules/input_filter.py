@@ -368,14 +368,30 @@ def filter_path(path: EndPath, state: InputFilter, stop: Scalar, bandwidth: Scal
     start = path.stop
     h = maximum(stop - start, MIN_AIM_TIME)
     horizon = stop - state.given_at + (h - (stop - start))
-    starts = zip(*path.motion(start), strict=True)
-    axes = zip(
-        JERKS, starts, state.motion, state.end_accelerations, state.recent_changes, strict=True
+    samples = map(
+        _AxisSample,
+        JERKS,
+        state.motion,
+        state.end_accelerations,
+        state.recent_changes,
     )
-    x, y, z, yaw = (_axis_quintic(bandwidth, horizon, h, *axis) for axis in axes)
+    starts = zip(*path.motion(start), strict=True)
+    x, y, z, yaw = (
+        _axis_quintic(bandwidth, horizon, h, axis_start, sample)
+        for axis_start, sample in zip(starts, samples, strict=True)
+    )
     latest = zip(path.lean_motion(start), state.given[-2:], state.lean_rates, strict=True)
     lean, lean_z = (_lean_quintic(h, horizon, *axis) for axis in latest)
     return EndPath(start, stop, (x, y, z, yaw), (lean, lean_z))
+
+
+class _AxisSample(NamedTuple):
+    """Latest sample of one coordinate, and what bounds its expected changes."""
+
+    jerk: float  # m/s^3 (yaw: rad/s^3)
+    motion: Axis  # position, speed and acceleration
+    last_acceleration: Scalar  # m/s^2, of the sample before
+    recent_change: Scalar  # m/s^2, largest recent change of the acceleration
 
 
 def _lean_quintic(
@@ -390,30 +406,28 @@ def _lean_quintic(
     aim = maximum(h, MIN_MEAN_TIME)
     target = sample + (horizon + (aim - h)) * mean
     rate = 1.5 * (target - x) / aim - 0.5 * v
-    return quintic.coefficients(aim, x, v, a, target, rate, (rate - v) / aim)
+    return quintic.coefficients(aim, (x, v, a), (target, rate, (rate - v) / aim))
 
 
 def _axis_quintic(
-    w: Scalar,
-    horizon: Scalar,
-    h: Scalar,
-    jerk: float,
-    start: Vector,
-    sample: Vector,
-    last_acceleration: Scalar,
-    recent_change: Scalar,
+    w: Scalar, horizon: Scalar, h: Scalar, start: Vector, sample: _AxisSample
 ) -> Quintic:
     """Return the quintic of one coordinate over the step ``h``, from ``start`` (x, v, a) to the observer's state."""
-    x, v, a = start
-    sample_position, sample_speed, acceleration = sample
+    x, v, _ = start
+    sample_position, sample_speed, acceleration = sample.motion
     position, speed = quintic.extrapolate(sample_position, sample_speed, acceleration, horizon)
     misfit = sample_misfit(
-        h, (x, v), (last_acceleration, acceleration), (position, speed), recent_change, jerk
+        h,
+        (x, v),
+        (sample.last_acceleration, acceleration),
+        (position, speed),
+        sample.recent_change,
+        sample.jerk,
     )
     rest_speed = misfit.speed_misfit - misfit.speed_misfit * misfit.speed_fits
     rest_position = misfit.position_misfit - misfit.position_misfit * misfit.position_fits
     stop = _observed(w, h, (rest_position, rest_speed), (position, speed, acceleration))
-    return quintic.coefficients(h, x, v, a, *stop)
+    return quintic.coefficients(h, start, stop)
 
 
 def _observed(
