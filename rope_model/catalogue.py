@@ -46,7 +46,9 @@ class Datum:
     @property
     def middle(self) -> float:
         """Geometric mean, or the arithmetic one of a range that begins at 0."""
-        return math.sqrt(self.low * self.high) if self.logarithmic else 0.5 * (self.low + self.high)
+        if self.logarithmic:
+            return math.sqrt(self.low * self.high)
+        return 0.5 * (self.low + self.high)
 
     @property
     def logarithmic(self) -> bool:

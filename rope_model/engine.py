@@ -327,7 +327,10 @@ class NativeRope(BalanceRope):
 
     def restore(self, data: bytes | RopeState | Snapshot) -> None:
         native = data.kept if isinstance(data, Snapshot) else None
-        packed = native if isinstance(native, bytes) else _pack(state_in(data))
+        if isinstance(native, bytes):
+            packed = native
+        else:
+            packed = _pack(state_in(data))
         # the hysteresis of wires that do not rub yet is not stored
         packed = packed.ljust(self._lib.rope_state_bytes(self._rope), b"\0")
         if not (status := self.restore_native(packed)).valid:
@@ -361,7 +364,9 @@ class NativeRope(BalanceRope):
         """Return the status after a call of the library that returned ``succeeded``."""
         if succeeded:
             self._state = None
-        return _VALID if succeeded else Status(False, self._lib.rope_message(self._rope).decode())
+        if succeeded:
+            return _VALID
+        return Status(False, self._lib.rope_message(self._rope).decode())
 
 
 def _forces(forces: PointForces) -> tuple[Structure, Any]:

@@ -157,11 +157,20 @@ class ParameterGroup:
             if p.choices:
                 ok = value in p.choices
             else:
-                lower = getattr(self, p.lower) if isinstance(p.lower, str) else p.lower
-                upper = getattr(self, p.upper) if isinstance(p.upper, str) else p.upper
+                if isinstance(p.lower, str):
+                    lower = getattr(self, p.lower)
+                else:
+                    lower = p.lower
+                if isinstance(p.upper, str):
+                    upper = getattr(self, p.upper)
+                else:
+                    upper = p.upper
                 ok = (lower is None or lower <= value) and (upper is None or value <= upper)
             if not ok:
-                bound = p.bound.format(repr(getattr(self, p.other))) if p.other else p.bound
+                if p.other:
+                    bound = p.bound.format(repr(getattr(self, p.other)))
+                else:
+                    bound = p.bound
                 require(False, name, value, bound, p.cure)
         for what, bound, cure, formula in self.cross_checks:
             holds, value, *number = formula(self)

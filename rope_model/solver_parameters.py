@@ -27,7 +27,7 @@ MAX_ELEMENTS = 20000
 SEGMENTS = {"II": 0, "III": 0, "IV": 2, "V": 0, "VI": 0}
 
 
-def _multiple(segment: int, mesh: Any) -> tuple[Any, ...]:
+def _multiple(segment: int, mesh: Mesh) -> tuple[Any, ...]:
     count = mesh.counts[segment]
     fine = 2 * (1 + (mesh.counts[0] > 0)) * (1 + (mesh.counts[1] > 0))
     multiple = (2, 4, fine, 4, 2)[segment]
@@ -35,7 +35,7 @@ def _multiple(segment: int, mesh: Any) -> tuple[Any, ...]:
     return (count >= min_count, count % multiple == 0), count, multiple
 
 
-def _pattern(mesh: Any) -> tuple[Any, ...]:
+def _pattern(mesh: Mesh) -> tuple[Any, ...]:
     ii, iii, _, v, vi = (1 * (count > 0) for count in mesh.counts)
     return (ii == vi, iii == v, ii >= iii), mesh.counts
 

@@ -285,7 +285,10 @@ def _read(path: Path, track: Markers) -> _Frames:
             f'{track.file} has directions, and ends = "{track.ends}" must be "clamped" to take them'
         )
     unit = {"m": 1.0, "cm": 0.01, "mm": 1e-3}[track.unit]
-    directions = vectors(SIDES, "d") if leaning else np.zeros((t.size, 0, 3))
+    if leaning:
+        directions = vectors(SIDES, "d")
+    else:
+        directions = np.zeros((t.size, 0, 3))
     return _Frames(
         t,
         vectors(SIDES, unit=unit),
@@ -307,7 +310,10 @@ def _require_commas(path: Path, name: str) -> None:
         return  # the reader says it
     for separator, word in ((";", "semicolons"), ("\t", "tabs")):
         if separator in head:
-            comma = f", and {row!r} may have decimal commas" if "," in row else ""
+            if "," in row:
+                comma = f", and {row!r} may have decimal commas"
+            else:
+                comma = ""
             raise ValueError(
                 f"{name} has {word} between its columns{comma}: give a CSV file with commas "
                 "between columns and decimal points"

@@ -219,7 +219,10 @@ def with_values(case: Case, values: Mapping[str, Value | ParameterValue]) -> Cas
     of_host = dict[str, ParameterValue]()
     of_rope = dict[str, ParameterValue]()
     for key, value in values.items():
-        entry = value if isinstance(value, ParameterValue) else ParameterValue(value)
+        if isinstance(value, ParameterValue):
+            entry = value
+        else:
+            entry = ParameterValue(value)
         if key in host_parameters():
             of_host[key] = entry
         else:

@@ -43,7 +43,10 @@ def add_hoist_commands(commands: Commands) -> None:
     for p in WISHES:
         text = p.help_text
         if p.start:
-            start = f"{p.start:g}" if isinstance(p.start, float) else str(p.start)
+            if isinstance(p.start, float):
+                start = f"{p.start:g}"
+            else:
+                start = str(p.start)
             text += f" ({start})"
         new.add_argument(f"--{p.name}", required=p.start == "", metavar="X", help=text)
     new.add_argument("--out", type=Path, metavar="FILE", help="(NAME.toml)")

@@ -141,7 +141,10 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         )
     _choose_rope(options, default if options.hoist == DEFAULT_HOIST else None)
     set_here = settings(options.set, parameters(_parameters(options)))
-    identified = read(options.rope, RopeFile).values() if options.rope else {}
+    if options.rope:
+        identified = read(options.rope, RopeFile).values()
+    else:
+        identified = {}
     overrides = {key: entry.value for key, entry in identified.items()} | set_here
     values = _winding(options, case) | overrides
     run = from_landing(build(options.hoist, values))

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple, Protocol
 from hoist_demo.control.trajectory import Braking, TrajectoryPoint
 from hoist_demo.parameters import Hoist
 from hoist_demo.parameters.quantity import Bounds, ValidatedData, parameter
-from rope_model.physics.elementary import logical_and, maximum, minimum, tanh, where
+from rope_model.physics.elementary import Scalar, logical_and, maximum, minimum, tanh, where
 
 
 @dataclass(frozen=True)
@@ -231,6 +231,6 @@ class SpeedController:
             brake=brake.fraction,
         )
 
-    def _loss(self, speed: Any) -> Any:
+    def _loss(self, speed: Scalar) -> Scalar:
         """Friction at the rim and along the guides of both conveyances [N] at a rim speed [m/s]."""
         return self._coulomb * tanh(speed / self._hoist.loss_speed) + self._viscous * speed

@@ -381,7 +381,10 @@ class Host:
         """Return the trip in C; None for a run that only this host winds."""
         rope = self.rope
         # a rope of another class may do more in its steps than its library
-        library = rope.library() if type(rope) is FmuRope or type(rope) is InProcessRope else None
+        if type(rope) is FmuRope or type(rope) is InProcessRope:
+            library = rope.library()
+        else:
+            library = None
         if library is None or not self._can_be_compiled(run):
             return None
         data = TripData(

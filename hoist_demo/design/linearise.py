@@ -182,7 +182,10 @@ def _hung(rope: NativeRope, left: EndMotion, right: EndMotion, speed: float = 0.
 
 def _smooth(hoist: Hoist, held_by: HeldBy) -> Hoist:
     """Return the hoist without what has no derivative at rest."""
-    guides = None if hoist.guides is None else replace(hoist.guides, coulomb=0.0)
+    if hoist.guides is None:
+        guides = None
+    else:
+        guides = replace(hoist.guides, coulomb=0.0)
     if held_by == "brake" and hoist.brake is None:
         raise ValueError("held_by = 'brake' needs a hoist with a brake: fit one, or take 'motor'")
     brake = hoist.brake if held_by == "brake" else None
@@ -243,11 +246,10 @@ def _linear_hoist(
 ) -> LinearHoist:
     """Return the hoist's part with its conveyances at these heights and this speed, under forces of one rope."""
     plant = HoistPlant(hoist, "portable")
-    state = (
-        plant.equilibrium(*heights, *forces)
-        if held_by == "motor"
-        else plant.hanging_state(*heights, *forces)
-    )
+    if held_by == "motor":
+        state = plant.equilibrium(*heights, *forces)
+    else:
+        state = plant.hanging_state(*heights, *forces)
     x, names, torque = state.x.copy(), list(state_names(hoist)), float(state.x[0])
     u = np.zeros(len(INPUT_NAMES))
     # the asked pressure counts as within its limits, where it acts
@@ -384,9 +386,10 @@ def _carried(
 def _assembled(at: float, hung: _Hung, hoist: LinearHoist) -> LinearModel:
     """Return hoist and ropes, joined at the heights of the ends."""
     drives, n_lags, ropes = len(hoist.coordinates), len(hoist.lags), [rope for _, rope in hung]
-    heights = (
-        {f"{side}.y": hoist.coordinates.index(f"y_{side}") for side in SIDES} if drives else {}
-    )
+    if drives:
+        heights = {f"{side}.y": hoist.coordinates.index(f"y_{side}") for side in SIDES}
+    else:
+        heights = {}
     held = [
         name
         for name in _end_coordinates(ropes[0])

@@ -202,7 +202,9 @@ def _yaw(recording: Recording, arrived: float) -> dict[str, float]:
 
 def trip_table(rows: Sequence[Mapping[str, float]], cycle: int) -> Recording:
     """Return all rows as columns, with the change from the trip a cycle before."""
-    columns = {name: np.array([row[name] for row in rows]) for name in rows[-1]}
+    columns = dict[str, Array]()
+    for name in rows[-1]:
+        columns[name] = np.array([row[name] for row in rows])
     columns["difference"] = differences(columns, cycle)
     return Recording(columns, {name: unit_of(name) for name in columns})
 

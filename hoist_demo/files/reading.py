@@ -88,7 +88,10 @@ def table_of(
     for number, (key, members) in enumerate(members_by_key.items()):
         whole = f"{name}.{key}"
         is_leaf = members[0].name == whole
-        kind = leaf(members[0]) if is_leaf else table_of(whole, members, leaf)
+        if is_leaf:
+            kind = leaf(members[0])
+        else:
+            kind = table_of(whole, members, leaf)
         # brackets in a key are no identifier
         fields[f"key{number}"] = (kind, pydantic.Field(default=None, alias=key))
     title = "".join(map(str.title, name.split(".")))

@@ -91,7 +91,10 @@ def values_of(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values without status and source, by name."""
     values_by_name = dict[str, Any]()
     for key, entry in values.items():
-        values_by_name[key] = entry.value if isinstance(entry, ParameterValue) else entry
+        if isinstance(entry, ParameterValue):
+            values_by_name[key] = entry.value
+        else:
+            values_by_name[key] = entry
     return values_by_name
 
 

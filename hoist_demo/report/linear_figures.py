@@ -108,7 +108,10 @@ def _poles(ax: Axes, models: Sequence[LinearModel], modes: Sequence[Modes]) -> N
     """
     for k, (model, modes_here) in enumerate(zip(models, modes, strict=True)):
         real = -2 * np.pi * modes_here.frequencies * modes_here.damping
-        label = f"at {model.at:g}" if k in (0, len(models) // 2, len(models) - 1) else None
+        if k in (0, len(models) // 2, len(models) - 1):
+            label = f"at {model.at:g}"
+        else:
+            label = None
         ax.plot(real, modes_here.frequencies, "x", ms=4.0, color=_colour(model.at), label=label)
     ax.axvline(0.0, color=ACCENTS[3], lw=0.8)
     ax.set_title("Poles of the modes, upper half")

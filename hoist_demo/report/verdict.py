@@ -350,7 +350,10 @@ def _cycle_time(result: Result, arrival: Arrival) -> Iterator[VerdictRow]:
         return
     cycle = trip_metrics(result, arrival).get("cycle_time")
     if cycle is not None:
-        text = f"{cycle:.2f} s" if math.isfinite(cycle) else "not within the record"
+        if math.isfinite(cycle):
+            text = f"{cycle:.2f} s"
+        else:
+            text = "not within the record"
         yield VerdictRow("cycle time, until the conveyances have arrived", text)
 
 

@@ -112,7 +112,10 @@ def build(
     differing = values_of(varied)
     status_by_name = dict(hoist_case.status_by_name)
     for key, value in varied.items():
-        status_by_name[key] = value.status if isinstance(value, ParameterValue) else GIVEN
+        if isinstance(value, ParameterValue):
+            status_by_name[key] = value.status
+        else:
+            status_by_name[key] = GIVEN
     host = {**values_of(hoist_case.host), **differing}
     run = RunData(
         case=case,

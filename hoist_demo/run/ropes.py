@@ -73,7 +73,10 @@ class OneRope:
 
     def data(self) -> RopeData:
         """Return the identity of the rope for the reports."""
-        breaks = None if self.breaks is None else (self.breaks.t, self.breaks.s)
+        if self.breaks is None:
+            breaks = None
+        else:
+            breaks = (self.breaks.t, self.breaks.s)
         return replace(self.plant.data(), name=self.name, suspension=self.suspension, breaks=breaks)
 
 

@@ -100,7 +100,10 @@ def _along(objective: Objective | None, key: str, runs: RunLine) -> Iterator[tup
         turn = _turn(pairs)
         if turn is not None:
             x, y, word = turn
-            shown = f"{y:.4g}" if UNITS[metric] == "1" else f"{y:.4g} {UNITS[metric]}"
+            if UNITS[metric] == "1":
+                shown = f"{y:.4g}"
+            else:
+                shown = f"{y:.4g} {UNITS[metric]}"
             yield (
                 metric + word,
                 f"{metric} has its {word}, {shown}, at {key} = {x:g}, inside its range",

@@ -228,11 +228,10 @@ class Neighbours:
             one = rows[i]
             other = rows[j]
             inset = (1.0 - grown) * self.contacts.insets[i, j]
-            law[i, j] = (
-                NO_CONTACTS
-                if one is None or other is None
-                else pair.find_contacts(one, other, c, inset)
-            )
+            if one is None or other is None:
+                law[i, j] = NO_CONTACTS
+            else:
+                law[i, j] = pair.find_contacts(one, other, c, inset)
         return law
 
     def _apply(self, t: float, h: float, partners: Sequence[Partner], end: Forces) -> None:

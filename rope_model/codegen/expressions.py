@@ -97,7 +97,10 @@ def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[st
             continue
         if operation == ca.OP_CONST:
             value = f.instruction_constant(k)
-            text = "PI" if value == math.pi else _INFINITE.get(value, repr(value))
+            if value == math.pi:
+                text = "PI"
+            else:
+                text = _INFINITE.get(value, repr(value))
             expression = _Text(text, _SIGN if value < 0 else _ATOM)
         elif operation == ca.OP_INPUT:
             expression = _Text(inputs[sources[0]][sources[1]], _ATOM)
@@ -105,11 +108,10 @@ def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[st
             operands = [values[s] for s in sources]
             if kind == "Vec" and operation in (ca.OP_DIV, ca.OP_INV):
                 *above, below = operands
-                expression = (
-                    _expression(ca.OP_MUL, [*above, reciprocal(below)], kind)
-                    if above
-                    else reciprocal(below)
-                )
+                if above:
+                    expression = _expression(ca.OP_MUL, [*above, reciprocal(below)], kind)
+                else:
+                    expression = reciprocal(below)
             else:
                 expression = _expression(operation, operands, kind)
             if (
@@ -148,10 +150,16 @@ def _expression(operation: int, operands: Sequence[_Text], kind: str) -> _Text:
     if operation == ca.OP_NEG:
         return _Text(f"-{operands[0].within(_ATOM)}", _SIGN)
     if operation in _CALLS:
-        name = _CALLS[operation] if kind == "double" else f"{_CALLS[operation].upper()}_{kind}"
+        if kind == "double":
+            name = _CALLS[operation]
+        else:
+            name = f"{_CALLS[operation].upper()}_{kind}"
         return _Text(f"{name}({', '.join(x.text for x in operands)})", _ATOM)
     if operation in (ca.OP_SQ, ca.OP_TWICE):
-        twice = _Text("2.0", _ATOM) if operation == ca.OP_TWICE else operands[0]
+        if operation == ca.OP_TWICE:
+            twice = _Text("2.0", _ATOM)
+        else:
+            twice = operands[0]
         operation = ca.OP_MUL
         operands = [twice, operands[0]]
     if operation == ca.OP_NOT:

@@ -148,11 +148,9 @@ def _fact(name: str) -> _Fact:
         return _Fact("const Pattern *pattern", _members_at(PatternStructure, "pattern->"))
     if name == "counts":
         return _Fact("const int counts[5]", _members_at(c_int * 5, "counts"))
-    return (
-        _Fact("int fidelity", Word(name, name))
-        if name == "fidelity"
-        else _Fact(f"double {name}", ca.SX.sym(name))
-    )
+    if name == "fidelity":
+        return _Fact("int fidelity", Word(name, name))
+    return _Fact(f"double {name}", ca.SX.sym(name))
 
 
 def _symbols(kind: type[Any], prefix: str) -> Any:

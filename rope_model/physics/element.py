@@ -293,7 +293,10 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     c = z[3:6]
     turning = frame_rate(F[:3], F[3:], d, c) if torsional else ca.SX(0)
     strain = ca.vertcat(ca.norm_2(d) - 1, turning, ca.cross(d, c) / ca.dot(d, d))
-    w = z_t[6] + frame_rate(F[:3], ca.SX.zeros(3), d, z_t[0:3]) if torsional else ca.SX(0)
+    if torsional:
+        w = z_t[6] + frame_rate(F[:3], ca.SX.zeros(3), d, z_t[0:3])
+    else:
+        w = ca.SX(0)
 
     # strain rates; that of the curvature as seen from the section
     spin = ca.cross(d, z_t[0:3]) / ca.dot(d, d) + w * d / ca.norm_2(d)

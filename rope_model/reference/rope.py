@@ -67,7 +67,9 @@ class ReferenceRope(BalanceRope):
     @property
     def elements(self) -> int:
         """Number of elements while no end of the rope cuts off the pattern."""
-        return self._elements if self._state is None else self._state.mesh.lengths.size
+        if self._state is None:
+            return self._elements
+        return self._state.mesh.lengths.size
 
     @property
     def time(self) -> float:

@@ -52,7 +52,10 @@ def unpublished(scene: Scene) -> str | None:
         values = allowed.get(parameter.name, (parameter.value,))
         if parameter.value not in values:
             words = choices_of(parameter.name)
-            value = words[int(parameter.value)] if words else f"{parameter.value:g}"
+            if words:
+                value = words[int(parameter.value)]
+            else:
+                value = f"{parameter.value:g}"
             bound = " or ".join(words[int(x)] if words else f"{x:g}" for x in values)
             return (
                 f"{parameter.name} = {value} must be {bound} for the reference rope, which knows "

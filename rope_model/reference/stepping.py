@@ -165,7 +165,9 @@ def _released_swivel(scene: Scene, state: State, side: int) -> SwivelState:
     present = state.swivels[side]
     if state.motion.t < released_at(swivel, present):
         return present
-    return slip(present.angle, -1.0) if frictionless(swivel) else stick(present.angle)
+    if frictionless(swivel):
+        return slip(present.angle, -1.0)
+    return stick(present.angle)
 
 
 def _next_release(scene: Scene, state: State) -> float:

@@ -216,7 +216,10 @@ def _read(path: Path, changed: int, size: int) -> Fmu:
             f"FMU '{path}' must be a valid FMU, but: {error}: export it anew"
         ) from error
     if description.coSimulation is None or description.fmiVersion not in FMI_VERSIONS:
-        kind = "co-simulation" if description.coSimulation is not None else "no co-simulation"
+        if description.coSimulation is not None:
+            kind = "co-simulation"
+        else:
+            kind = "no co-simulation"
         versions = " and ".join(FMI_VERSIONS)
         raise ValueError(
             f"FMU '{path}' is of FMI {description.fmiVersion}, {kind}; "

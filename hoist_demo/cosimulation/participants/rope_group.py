@@ -173,7 +173,10 @@ class RopeGroup:
         ropes = [member.rope.save() for member in self.members]
         if any(rope is None for rope in ropes):
             return None
-        contacts = None if self.neighbours is None else self.neighbours.contacts
+        if self.neighbours is None:
+            contacts = None
+        else:
+            contacts = self.neighbours.contacts
         return GroupSnapshot(ropes, self._conveyances, self._rope_ends, self._means, contacts)
 
     def restore(self, snapshot: GroupSnapshot) -> None:
