@@ -31,7 +31,7 @@ class FileHeader(Table):
 
     @field_validator("title")
     @classmethod
-    def _is_named(cls, title: str, info: ValidationInfo) -> str:
+    def _check_name(cls, title: str, info: ValidationInfo) -> str:
         return title or printable(reading_chain(info)[-1].stem)
 
     @field_validator("hoist")

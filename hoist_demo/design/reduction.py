@@ -269,11 +269,11 @@ class _Reduction:
         """Return motions (free, count) of each height, orthonormal by M, with the same meaning at all heights."""
         first = self._models[0]
         driven = len(driven_coordinates(first))
-        count, least = (states - first.lags) // 2 - driven, first.lags + 2 * driven
+        count, other_states = (states - first.lags) // 2 - driven, first.lags + 2 * driven
         if len(self._models) > 1:
-            return _krylov_bases(self._models, self._band, states, count, least)
+            return _krylov_bases(self._models, self._band, states, count, other_states)
         shapes = self._shapes
-        _require_states(states, count, 1, shapes.shape[1], least)
+        _require_states(states, count, 1, shapes.shape[1], other_states)
         return [shapes[:, :count]]
 
     @cached_property

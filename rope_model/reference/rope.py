@@ -130,8 +130,8 @@ class ReferenceRope(BalanceRope):
             message = refusal(motion, side)
             if message is not None:
                 return Status(False, message)
-            ahead = onwards(path, t, motion, age)
-            peak = peak_acceleration(ahead)
+            following_path = onwards(path, t, motion, age)
+            peak = peak_acceleration(following_path)
             if not peak <= scene.inputs.acceleration_max:
                 return Status(
                     False,
@@ -139,7 +139,7 @@ class ReferenceRope(BalanceRope):
                     f"inputs.acceleration_max = {scene.inputs.acceleration_max:g}: give positions, "
                     "speeds and accelerations of one motion",
                 )
-            paths.append(ahead)
+            paths.append(following_path)
         state = replace(before, paths=(paths[0], paths[1]), events=())
         impulse = np.zeros(2)
         for _ in range(MAX_STEPS):

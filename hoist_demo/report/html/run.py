@@ -58,7 +58,7 @@ def _verdict(verdict: Verdict, changed: parameter_tables.TitledRows) -> str:
     kind = "note good" if verdict.good else "note stopped"
     parts = [f'<p class="{kind}"><strong>{html_text(verdict.summary)}</strong></p>']
     if verdict.rows:
-        table = page.plain_table(COLUMNS, [row.cells for row in verdict.rows])
+        table = page.untitled_table(COLUMNS, [row.cells for row in verdict.rows])
         parts.append(f'<div class="scroll">{table.replace("<td>NO</td>", _NO)}</div>')
     parts += [
         f'<p class="note stopped"><strong>Warning.</strong> {html_text(text)}</p>'
@@ -66,7 +66,7 @@ def _verdict(verdict: Verdict, changed: parameter_tables.TitledRows) -> str:
     ]
     title, rows = changed
     if rows:
-        table = page.plain_table(CHANGED, rows)
+        table = page.untitled_table(CHANGED, rows)
         parts.append(f"<details open><summary>{html_text(title)}</summary>{table}</details>")
     return "".join(parts)
 
