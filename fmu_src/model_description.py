@@ -222,7 +222,10 @@ def _document(build: Build, head: Mapping[str, str], content: _Content) -> Eleme
     categories = (
         node("Category", name=name, description=text) for name, text in LOG_CATEGORIES.items()
     )
-    tolerance = None if build.tolerance is None else f"{build.tolerance:g}"
+    if build.tolerance is None:
+        tolerance = None
+    else:
+        tolerance = f"{build.tolerance:g}"
     return node(
         "fmiModelDescription",
         content.interface,

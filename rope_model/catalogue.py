@@ -46,7 +46,9 @@ class Datum:
     @property
     def middle(self) -> float:
         """Geometric mean, or the arithmetic one of a range that begins at 0."""
-        return math.sqrt(self.low * self.high) if self.logarithmic else 0.5 * (self.low + self.high)
+        if self.logarithmic:
+            return math.sqrt(self.low * self.high)
+        return 0.5 * (self.low + self.high)
 
     @property
     def logarithmic(self) -> bool:
@@ -144,14 +146,14 @@ class Construction:
 
 
 _SINGLE_LAYER = Datum(0.07, 0.12, "1", "assumed", _LAY)
-_OF_SIX_STRANDS = Datum(9.0e10, 9.6e10, "N/m2", "derived", _SIX_STRANDS)
-_OF_MORE_LAYERS = Datum(9.0e10, 1.3e11, "N/m2", "assumed", _SETTLED)
+_MODULUS_OF_SIX_STRANDS = Datum(9.0e10, 9.6e10, "N/m2", "derived", _SIX_STRANDS)
+_MODULUS_OF_MORE_LAYERS = Datum(9.0e10, 1.3e11, "N/m2", "assumed", _SETTLED)
 
 
 def _head_rope(
     description: str, mass: tuple[float, float], area: tuple[float, float], wires: int
 ) -> Construction:
-    return Construction(description, mass, area, wires, _OF_SIX_STRANDS, _SINGLE_LAYER)
+    return Construction(description, mass, area, wires, _MODULUS_OF_SIX_STRANDS, _SINGLE_LAYER)
 
 
 #: constructions with a source of their factors; 35x6, 35x7 and ropes of 16 outer strands have none
@@ -161,7 +163,7 @@ CONSTRUCTIONS = {
         (0.390, 0.401),
         (0.416, 0.428),
         34 * 7,
-        _OF_MORE_LAYERS,
+        _MODULUS_OF_MORE_LAYERS,
         Datum(0.0, 0.02, "1", "assumed", _THREE_LAYERS),
     ),
     "18x7": Construction(
@@ -169,7 +171,7 @@ CONSTRUCTIONS = {
         (0.382, 0.401),
         (0.408, 0.433),
         18 * 7,
-        _OF_MORE_LAYERS,
+        _MODULUS_OF_MORE_LAYERS,
         Datum(0.02, 0.05, "1", "assumed", _TWO_LAYERS),
     ),
     "6x19": _head_rope(
@@ -275,7 +277,7 @@ def rope(
         "construction",
         construction,
         f"one of {', '.join(CONSTRUCTIONS)}",
-        _OTHER,
+        _ALTERNATIVE,
     )
     require(
         lay in get_args(Lay),
@@ -298,7 +300,7 @@ def rope(
     return KnownRope(construction, diameter, length, lay, data)
 
 
-_OTHER = "take the one with as many layers, or give the parameters of the data sheet"
+_ALTERNATIVE = "take the one with as many layers, or give the parameters of the data sheet"
 
 
 def rope_of(

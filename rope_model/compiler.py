@@ -43,11 +43,10 @@ LIBRARY_SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
 def last_words(error: Exception) -> str:
     """Return the error's text with the first error, or else the last line, of the compiler's or the linker's output."""
-    output = (
-        str(error.stderr).strip().splitlines()
-        if isinstance(error, subprocess.CalledProcessError)
-        else []
-    )
+    if isinstance(error, subprocess.CalledProcessError):
+        output = str(error.stderr).strip().splitlines()
+    else:
+        output = []
     first = next((line for line in output if _AN_ERROR.search(line)), output[-1] if output else "")
     return f"{error} {first}".rstrip()
 
@@ -57,11 +56,9 @@ def find_compiler() -> tuple[str, ...] | None:
     for command in (shlex.split(os.environ.get("CC", "")), ["cc"], ["gcc"], ["clang"]):
         if command and (path := shutil.which(command[0])):
             return (path, *command[1:])
-    return (
-        (sys.executable, "-m", "ziglang", "cc")
-        if importlib.util.find_spec("ziglang") is not None
-        else None
-    )
+    if importlib.util.find_spec("ziglang") is not None:
+        return (sys.executable, "-m", "ziglang", "cc")
+    return None
 
 
 def cache_folder() -> Path:

@@ -327,7 +327,10 @@ class NativeRope(BalanceRope):
 
     def restore(self, data: bytes | RopeState | Snapshot) -> None:
         native = data.kept if isinstance(data, Snapshot) else None
-        packed = native if isinstance(native, bytes) else _pack(state_in(data))
+        if isinstance(native, bytes):
+            packed = native
+        else:
+            packed = _pack(state_in(data))
         # the hysteresis of wires that do not rub yet is not stored
         packed = packed.ljust(self._lib.rope_state_bytes(self._rope), b"\0")
         if not (status := self.restore_native(packed)).valid:
@@ -361,7 +364,9 @@ class NativeRope(BalanceRope):
         """Return the status after a call of the library that returned ``succeeded``."""
         if succeeded:
             self._state = None
-        return _VALID if succeeded else Status(False, self._lib.rope_message(self._rope).decode())
+        if succeeded:
+            return _VALID
+        return Status(False, self._lib.rope_message(self._rope).decode())
 
 
 def _forces(forces: PointForces) -> tuple[Structure, Any]:
@@ -432,7 +437,7 @@ def _pack(state: RopeState) -> bytes:
     m = state.motion
     p = state.partition
     s = layout.StateStructure(
-        **{name: _to_ctypes(getattr(state, name)) for name in layout.ALIKE},
+        **{name: _to_ctypes(getattr(state, name)) for name in layout.SAME_NAMED},
         t=m.t,
         h=m.h,
         power_ends=state.powers.ends,
@@ -464,7 +469,9 @@ def _reader(hint: Any) -> Callable[[Any], Any]:
 
 
 _READERS = {
-    name: _reader(hint) for name, hint in get_type_hints(RopeState).items() if name in layout.ALIKE
+    name: _reader(hint)
+    for name, hint in get_type_hints(RopeState).items()
+    if name in layout.SAME_NAMED
 }
 
 

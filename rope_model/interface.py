@@ -234,4 +234,6 @@ def state_in(data: bytes | RopeState | Snapshot) -> RopeState:
     """Return the RopeState of a result of ``save``, ``state`` or ``snapshot``."""
     if isinstance(data, Snapshot):
         return data.state
-    return RopeState.from_bytes(data) if isinstance(data, bytes) else data
+    if isinstance(data, bytes):
+        return RopeState.from_bytes(data)
+    return data

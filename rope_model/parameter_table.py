@@ -97,15 +97,15 @@ def choice(default: T, words: Any, meanings: tuple[str, ...], description: str, 
 
 
 #: caches by data class: its table, and the table in the order of the checks
-_KNOWN: dict[Any, dict[str, Parameter]] = {}
+_TABLES: dict[Any, dict[str, Parameter]] = {}
 _CHECKED: dict[Any, tuple[tuple[str, Parameter], ...]] = {}
 
 
 def parameters_of(kind: type[Any]) -> dict[str, Parameter]:
     """Return the parameters of a data class by name."""
-    if kind not in _KNOWN:
-        _KNOWN[kind] = {f.name: Parameter(**f.metadata) for f in fields(kind)}
-    return _KNOWN[kind]
+    if kind not in _TABLES:
+        _TABLES[kind] = {f.name: Parameter(**f.metadata) for f in fields(kind)}
+    return _TABLES[kind]
 
 
 def check_order(kind: type[Any]) -> tuple[tuple[str, Parameter], ...]:
@@ -157,11 +157,20 @@ class ParameterGroup:
             if p.choices:
                 ok = value in p.choices
             else:
-                lower = getattr(self, p.lower) if isinstance(p.lower, str) else p.lower
-                upper = getattr(self, p.upper) if isinstance(p.upper, str) else p.upper
+                if isinstance(p.lower, str):
+                    lower = getattr(self, p.lower)
+                else:
+                    lower = p.lower
+                if isinstance(p.upper, str):
+                    upper = getattr(self, p.upper)
+                else:
+                    upper = p.upper
                 ok = (lower is None or lower <= value) and (upper is None or value <= upper)
             if not ok:
-                bound = p.bound.format(repr(getattr(self, p.other))) if p.other else p.bound
+                if p.other:
+                    bound = p.bound.format(repr(getattr(self, p.other)))
+                else:
+                    bound = p.bound
                 require(False, name, value, bound, p.cure)
         for what, bound, cure, formula in self.cross_checks:
             holds, value, *number = formula(self)

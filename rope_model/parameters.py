@@ -36,7 +36,7 @@ def _added_curvature(where: str) -> float:
     return parameter(0.0, "1/m", f"permanent curvature added {where}", Bounds(-10.0, 10.0, cure))
 
 
-def _coupling(rope: Any) -> tuple[Any, ...]:
+def _coupling(rope: Rope) -> tuple[Any, ...]:
     bound = (rope.Qa * rope.Qd) ** 0.5
     return (abs(rope.Qs) < bound,), rope.Qs, bound
 

@@ -81,9 +81,9 @@ def _counts() -> tuple[tuple[str, Parameter, int], ...]:
     """Return name, facts and least value of the number of elements of each segment of the mesh."""
     p = parameters_of(Mesh)["counts"]
     found = list[tuple[str, Parameter, int]]()
-    for i, (segment, least) in enumerate(SEGMENTS.items(), 1):
+    for i, (segment, min_count) in enumerate(SEGMENTS.items(), 1):
         facts = p._replace(description=p.description.format(segment=segment))
-        found.append((f"mesh.counts[{i}]", facts, least))
+        found.append((f"mesh.counts[{i}]", facts, min_count))
     return tuple(found)
 
 
@@ -100,8 +100,8 @@ def named_parameters(scene: Scene) -> Iterator[NamedParameter]:
         value = getattr(parts[group], field)
         code = words.index(value) if words else kind(value)
         yield NamedParameter(name, code, facts, minimum, maximum)
-    for value, (name, facts, least) in zip(scene.mesh.counts, _counts(), strict=True):
-        yield NamedParameter(name, value, facts, least, None)
+    for value, (name, facts, min_count) in zip(scene.mesh.counts, _counts(), strict=True):
+        yield NamedParameter(name, value, facts, min_count, None)
 
 
 def with_values(scene: Scene, values: Mapping[str, Value]) -> Scene:

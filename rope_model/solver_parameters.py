@@ -27,15 +27,15 @@ MAX_ELEMENTS = 20000
 SEGMENTS = {"II": 0, "III": 0, "IV": 2, "V": 0, "VI": 0}
 
 
-def _multiple(segment: int, mesh: Any) -> tuple[Any, ...]:
+def _multiple(segment: int, mesh: Mesh) -> tuple[Any, ...]:
     count = mesh.counts[segment]
     fine = 2 * (1 + (mesh.counts[0] > 0)) * (1 + (mesh.counts[1] > 0))
     multiple = (2, 4, fine, 4, 2)[segment]
-    least = fine if segment == 2 else 0
-    return (count >= least, count % multiple == 0), count, multiple
+    min_count = fine if segment == 2 else 0
+    return (count >= min_count, count % multiple == 0), count, multiple
 
 
-def _pattern(mesh: Any) -> tuple[Any, ...]:
+def _pattern(mesh: Mesh) -> tuple[Any, ...]:
     ii, iii, _, v, vi = (1 * (count > 0) for count in mesh.counts)
     return (ii == vi, iii == v, ii >= iii), mesh.counts
 
@@ -265,7 +265,7 @@ class Inputs(ParameterGroup):
     )
 
 
-_WHERE = "0 is the rope's left end, 1 its right end"
+_PLACE_MEANING = "0 is the rope's left end, 1 its right end"
 
 
 @dataclass(frozen=True)
@@ -276,8 +276,8 @@ class Stations(ParameterGroup):
         0.0,
         "1",
         "place of the first station over the rope's length, from its left end",
-        Bounds(0.0, "last", _WHERE),
+        Bounds(0.0, "last", _PLACE_MEANING),
     )
     last: float = parameter(
-        1.0, "1", "place of the last station, likewise", Bounds(0.0, 1.0, _WHERE)
+        1.0, "1", "place of the last station, likewise", Bounds(0.0, 1.0, _PLACE_MEANING)
     )

@@ -33,7 +33,9 @@ def csv_cell(value: object) -> object:
     if not isinstance(value, str):
         return value
     text = value.replace("\r", " ")  # pandas does not quote it, and it would begin a line
-    return f"'{text}" if _FORMULA.match(text) and not _is_number(text) else text
+    if _FORMULA.match(text) and not _is_number(text):
+        return f"'{text}"
+    return text
 
 
 def xml_text(text: str) -> str:

@@ -49,11 +49,11 @@ def choose_platforms(names: Sequence[str] | None) -> tuple[str, ...]:
     return chosen
 
 
-def missing_platforms() -> str:
-    """Return the platforms that cannot be built here, with the reason; '' if all can."""
+def missing_platforms() -> str | None:
+    """Return the platforms that cannot be built here, with the reason; None if all can."""
     missing = [name for name in PLATFORMS if name not in available_platforms()]
     if not missing:
-        return ""
+        return None
     reason = "there is no C compiler here"
     compiler = kernels.find_compiler()
     if compiler:

@@ -30,5 +30,6 @@ def of_python(described: Mapping[int, Variable]) -> dict[int, Variable]:
 
 def require_for_python(scene: Scene) -> None:
     """Raise ValueError if the scene holds more than the published system."""
-    if text := unpublished(scene):
+    text = unpublished(scene)
+    if text is not None:
         raise ValueError(f"{text}: take the native flavour, balance-rope export --native")

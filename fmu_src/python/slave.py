@@ -158,7 +158,10 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     def text(self, scalar: int) -> str:
         """Return an output that is a text."""
         name = self._table[scalar].name.removeprefix("status.")
-        text = self.warning(0) if name == "warning" else str(getattr(self._rope, name))
+        if name == "warning":
+            text = self.warning(0)
+        else:
+            text = str(getattr(self._rope, name))
         self._texts[scalar] = text
         return text
 

@@ -20,7 +20,7 @@ from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene, valu
 from hoist_demo.files.reading import EMPTY, FileError, Table, flat
 from hoist_demo.files.registry import group_table, rope_parameters
 from hoist_demo.files.rope_file import FOLLOWING
-from hoist_demo.files.values import ParameterValue, plain, statuses, unreached, value_type
+from hoist_demo.files.values import ParameterValue, statuses, unreached, value_type, values_of
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter
 from rope_model import Datum
@@ -75,7 +75,7 @@ class MeasurementFile(RopeAnalysisFile):
             )
             for name, entry in self.sought.items()
         }
-        return CalibrationProblem(self.catalogue_rope, rope_scene(plain(self.fixed)), ranges)
+        return CalibrationProblem(self.catalogue_rope, rope_scene(values_of(self.fixed)), ranges)
 
     @property
     def status_by_name(self) -> dict[str, str]:

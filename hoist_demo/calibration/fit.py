@@ -305,7 +305,7 @@ def _root_of_increase(residuals: Residuals, best_fit: Fit, k: int, step: Array) 
     jacobian = np.vstack((best_fit.sensitivities, best_fit.prior_rows))
     others = np.arange(best_fit.norm_params.size) != k
     prior = best_fit.prior_rows @ (best_fit.norm_params - MIDDLE)
-    least = float(best_fit.residuals @ best_fit.residuals + prior @ prior)
+    smallest_sum = float(best_fit.residuals @ best_fit.residuals + prior @ prior)
     norm_params = np.clip(best_fit.norm_params + step, 0.0, 1.0)
     squares = list[float]()
     for _ in range(CORRECTIONS + 1):
@@ -319,7 +319,7 @@ def _root_of_increase(residuals: Residuals, best_fit: Fit, k: int, step: Array) 
         correction = lsq_linear(jacobian[:, others], -r, bounds, method="bvls").x
         norm_params = norm_params.copy()
         norm_params[others] = np.clip(norm_params[others] + correction, 0.0, 1.0)
-    return math.sqrt(max(min(squares) - least, 0.0))
+    return math.sqrt(max(min(squares) - smallest_sum, 0.0))
 
 
 def sensitivities(predict: Callable[[Array], Array], norm_params: Array) -> Array:

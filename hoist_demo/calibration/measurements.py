@@ -229,7 +229,7 @@ class RopeMeasurement(Table):
         return list(zip(*columns, strict=True))
 
     @model_validator(mode="after")
-    def _belong_together(self) -> Self:
+    def _check_consistency(self) -> Self:
         for name, one in self:
             if isinstance(one, tuple) and len(one) not in (1, len(self.values)):
                 raise ValueError(

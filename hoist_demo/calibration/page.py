@@ -9,7 +9,7 @@ from hoist_demo.calibration.identify import CalibrationResult
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.report.formatting import engineering, number, unit_text
-from hoist_demo.report.html.page import Bar, bars, paragraphs, plain_table, write_sheet
+from hoist_demo.report.html.page import Bar, bars, paragraphs, untitled_table, write_sheet
 from hoist_demo.report.rows import TEXT_WIDTH, SummaryRow, provenance_table, status_rows
 from rope_model import SIGNALS
 from rope_model.files import write_text
@@ -132,7 +132,7 @@ def write_page(result: CalibrationResult, path: Path) -> Path:
     next_title = f"Best next measurement of {result.measurement_file.wanted.signal}"
     data_title, data = provenance_table(result.provenance())
     parts = [
-        ("", paragraphs(notes) + plain_table(head, properties)),
+        ("", paragraphs(notes) + untitled_table(head, properties)),
         (
             "Values in the ranges known before",
             paragraphs([axis]) + bars(ranges, places, "intervals in the ranges"),
@@ -142,14 +142,14 @@ def write_page(result: CalibrationResult, path: Path) -> Path:
             paragraphs(["In standard errors."])
             + bars(residuals, steps, "residuals in standard errors"),
         ),
-        ("Measured and fitted", plain_table(columns, fitted)),
+        ("Measured and fitted", untitled_table(columns, fitted)),
         ("Undetermined by the data", paragraphs(_open(result)) or none),
         (
             "Determined only together",
-            plain_table(("properties", "correlation"), pairs) if pairs else none,
+            untitled_table(("properties", "correlation"), pairs) if pairs else none,
         ),
-        (next_title, paragraphs([wanted]) + plain_table(next_columns, candidates)),
-        (data_title, plain_table(("datum", "value", "unit", "status"), data)),
+        (next_title, paragraphs([wanted]) + untitled_table(next_columns, candidates)),
+        (data_title, untitled_table(("datum", "value", "unit", "status"), data)),
     ]
     title = f"A rope from measurements: {result.measurement_file.path.name}"
     return write_sheet(path, title, parts)

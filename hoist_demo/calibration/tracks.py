@@ -33,7 +33,7 @@ from scipy.ndimage import generic_filter
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from hoist_demo.files.reading import Table, beside
+from hoist_demo.files.reading import Table, path_from_file
 from hoist_demo.files.values import Text
 from rope_model import EndMotion, Scene, balance_rope
 from rope_model.parameters import Attachment
@@ -102,7 +102,7 @@ class Markers(Table):
 
     @model_validator(mode="after")
     def _is_there(self, info: ValidationInfo) -> Self:
-        frames = _checked(_read(beside(info, self.file), self), self)
+        frames = _checked(_read(path_from_file(info, self.file), self), self)
         self._spacing, end_paths, markers = _turned(frames, self)
         self._t, self._end_paths = _smoothed(frames, end_paths, self.settle)
         markers[~frames.whole | (frames.t < self.skip)] = np.nan
@@ -162,7 +162,7 @@ class Markers(Table):
         for k, offset in enumerate(start):
             s = np.clip(t - t[0] - k * h, 0.0, h)[:, None, None]
             paths[:, : t.size, :, :3] += quintic.rates(
-                quintic.coefficients(h, offset, 0.0, 0.0, 0.0, 0.0, 0.0), s
+                quintic.coefficients(h, (offset, 0.0, 0.0), (0.0, 0.0, 0.0)), s
             )
         motions = np.concatenate(
             (*paths[..., :3], np.zeros((*paths.shape[1:3], 2)), paths[0, ..., 3:]), axis=2
@@ -285,7 +285,10 @@ def _read(path: Path, track: Markers) -> _Frames:
             f'{track.file} has directions, and ends = "{track.ends}" must be "clamped" to take them'
         )
     unit = {"m": 1.0, "cm": 0.01, "mm": 1e-3}[track.unit]
-    directions = vectors(SIDES, "d") if leaning else np.zeros((t.size, 0, 3))
+    if leaning:
+        directions = vectors(SIDES, "d")
+    else:
+        directions = np.zeros((t.size, 0, 3))
     return _Frames(
         t,
         vectors(SIDES, unit=unit),
@@ -307,7 +310,10 @@ def _require_commas(path: Path, name: str) -> None:
         return  # the reader says it
     for separator, word in ((";", "semicolons"), ("\t", "tabs")):
         if separator in head:
-            comma = f", and {row!r} may have decimal commas" if "," in row else ""
+            if "," in row:
+                comma = f", and {row!r} may have decimal commas"
+            else:
+                comma = ""
             raise ValueError(
                 f"{name} has {word} between its columns{comma}: give a CSV file with commas "
                 "between columns and decimal points"
@@ -404,7 +410,7 @@ def _smoothed(frames: _Frames, end_paths: Array, settle: float) -> tuple[Array, 
         smooth[..., k // 5, k % 5] = [spline(t / frame, order) / frame**order for order in range(3)]
     if settle:
         x, v, a = smooth[:, before.size]
-        path = quintic.coefficients(t[before.size] - t[0], x, 0.0, 0.0, x, v, a)
+        path = quintic.coefficients(t[before.size] - t[0], (x, 0.0, 0.0), (x, v, a))
         smooth[:, : before.size] = quintic.rates(path, (before - t[0])[:, None, None])
     smooth[1:, 0] = 0.0  # the ends rest at first
     return t, smooth

@@ -8,7 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from hoist_demo.control.controller import Gains
-from hoist_demo.files.values import ParameterValue, plain, statuses
+from hoist_demo.files.values import ParameterValue, statuses, values_of
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.quantity import Value
 from rope_model import Level
@@ -45,7 +45,7 @@ class BalanceRopeData:
     @property
     def parameters(self) -> dict[str, Value]:
         """Values by FMI name, without status and source."""
-        return plain(self.values)
+        return values_of(self.values)
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,15 @@ from pydantic.json_schema import GenerateJsonSchema
 
 from hoist_demo.cases.case import BUILTIN_HOISTS, FOLDER, BalanceRopeData, Case
 from hoist_demo.cases.rules import apply_rules
-from hoist_demo.files.reading import File, Flat, beside, contents, opened_by, read, table_of
+from hoist_demo.files.reading import (
+    File,
+    Flat,
+    contents,
+    path_from_file,
+    read,
+    reading_chain,
+    table_of,
+)
 from hoist_demo.files.registry import (
     at_both_ends,
     host_parameters,
@@ -41,8 +49,8 @@ from hoist_demo.files.values import (
     Status,
     Text,
     read_text,
-    stated,
     value_type,
+    with_status,
 )
 from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.problems import Problems
@@ -86,7 +94,7 @@ class RopeTable(table_of("rope", _rope_parameters())):  # type: ignore[misc]
     lay: Text = Field("right-hand", description="sense of the lay, of the catalogue")
 
 
-def _stated_values(table: RopeTable) -> dict[str, Any]:
+def _rope_values(table: RopeTable) -> dict[str, Any]:
     """Return all that a [[rope]] sets; values by FMI name."""
     values = dict[str, Any]()
     for key, value in at_both_ends(contents(table)).items():
@@ -100,7 +108,7 @@ def _base(content: Any, info: ValidationInfo) -> HoistFile:
     name = read_text(content)
     if name in BUILTIN_HOISTS:
         return read_builtin(name)
-    return read(beside(info, name), HoistFile, opened_by(info))
+    return read(path_from_file(info, name), HoistFile, reading_chain(info))
 
 
 @cache
@@ -109,12 +117,12 @@ def read_builtin(name: str) -> HoistFile:
     return read(FOLDER / f"{name}.toml", HoistFile)
 
 
-_OF_ALL = {
+_HOIST_FIELDS = {
     name: field for name, field in run_fields(value_type).items() if name not in ("rope", *SIDES)
 }
 
 
-class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: ignore[misc]
+class HoistFile(create_model("Tables", __base__=File, **_HOIST_FIELDS)):  # type: ignore[misc]
     """Schema of a hoist's TOML file."""
 
     name: Text = Field(description="of the hoist, in titles")
@@ -125,7 +133,7 @@ class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: igno
     )
     level: Level = Field("standard", description="accuracy against speed of the rope")
     signals: list[Text] = Field([], description="time series to record, * for any letters")
-    rope: list[Annotated[dict[str, Any], Flat(RopeTable, _stated_values)]] = Field([])
+    rope: list[Annotated[dict[str, Any], Flat(RopeTable, _rope_values)]] = Field([])
 
     def settings(self) -> dict[str, Any]:
         """Return all values that the file sets, over those of the hoist that it is like.
@@ -136,13 +144,13 @@ class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: igno
         here = {
             key: entry for key, entry in contents(self) if key not in ("like", "status", "rope")
         }
-        ropes = [rope | stated(rope.items(), self.status) for rope in self.rope]
+        ropes = [rope | with_status(rope.items(), self.status) for rope in self.rope]
         if ropes and "rope" in settings:
             bases = settings["rope"]
             if len(bases) != len(ropes):  # ropes of another number go on from the first
                 bases = bases[:1] * len(ropes)
             ropes = [_inherited(base, rope) | rope for base, rope in zip(bases, ropes, strict=True)]
-        settings |= here | stated(here.items(), self.status)
+        settings |= here | with_status(here.items(), self.status)
         if ropes:
             settings["rope"] = ropes
         return settings
@@ -151,7 +159,7 @@ class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: igno
     def case(self) -> Case:
         """Hoist of the file; a ValueError lists all that is wrong."""
         settings = self.settings()
-        values = stated(settings.items())
+        values = with_status(settings.items())
         host = {key: entry for key, entry in values.items() if key in host_parameters()}
         shared = {key: entry for key, entry in values.items() if key not in host}
         with Problems() as problems:
@@ -203,7 +211,7 @@ def _balance_rope(
             "[[rope]]"
         )
     values = {**shared, **settings.get("from", {})}
-    for key, entry in stated(settings.items()).items():
+    for key, entry in with_status(settings.items()).items():
         if key not in SUSPENSION_PARAMETERS:
             values[key] = entry
     kind = {name: settings[name] for name in ("construction", "lay") if name in settings}

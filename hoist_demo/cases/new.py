@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from hoist_demo.cases.rules import HEAD_ROPE_STIFFNESS, TAIL_SPARE, RuleInputs
 from hoist_demo.cases.writing import hoist_text
 from hoist_demo.files.registry import data_of
-from hoist_demo.files.values import DERIVED, ParameterValue, plain
+from hoist_demo.files.values import DERIVED, ParameterValue, values_of
 from hoist_demo.parameters import GRAVITY, hoist_with
 from hoist_demo.parameters.quantity import Bounds, Parameter, Value
 from rope_model import rope as catalogue_rope
@@ -116,7 +116,7 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
         "winding.emergency_deceleration": ours(2.0),
         "layout.spacing": inputs["spacing"],
     }
-    parts = data_of(plain(values))
+    parts = data_of(values_of(values))
     whole = hoist_with(parts["hoist"], [(number * mass, depth + TAIL_SPARE)])
     lifting = 2.6 * payload * GRAVITY * radius
     trip = 1.5 * RuleInputs(whole, parts["winding"], whole).torque()

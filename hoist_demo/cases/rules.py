@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 from hoist_demo.cases.case import BalanceRopeData, Case
 from hoist_demo.files.registry import data_of, host_parameters, rope_parameters
-from hoist_demo.files.rope_file import OF_CATALOGUE
-from hoist_demo.files.values import DERIVED, ParameterValue, plain
+from hoist_demo.files.rope_file import CATALOGUE_PARAMETERS
+from hoist_demo.files.values import DERIVED, ParameterValue, values_of
 from hoist_demo.parameters import Hoist, Winding, hoist_with, require_trip_fits
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
@@ -113,7 +113,7 @@ def apply_rules(
     if "hoist.shaft_travel" not in host and "winding.travel" in host:
         deep = abs(float(host["winding.travel"].value))
         host["hoist.shaft_travel"] = ParameterValue(deep, DERIVED, "winding.travel")
-    sections = data_of(plain(host))
+    sections = data_of(values_of(host))
     inputs = RuleInputs(sections["hoist"], sections["winding"], Hoist())
     length = ParameterValue(LENGTH.value(inputs), DERIVED, LENGTH.expression, follows=True)
     filled = list[BalanceRopeData]()
@@ -146,7 +146,7 @@ def apply_rules(
     remarks_once = dict[str, None]()
     notes_once = dict[str, None]()
     for rope in ropes:
-        remarks_once |= dict.fromkeys(remarks(plain({**host, **rope.values})))
+        remarks_once |= dict.fromkeys(remarks(values_of({**host, **rope.values})))
         notes_once |= dict.fromkeys(notes(sections["hoist"], rope))
     return Case(
         **header,
@@ -170,7 +170,7 @@ def _of_catalogue(rope: BalanceRopeData) -> dict[str, ParameterValue]:
     source = f"catalogue, {rope.construction}, middle of its range"
     return {
         f"rope.{name}": ParameterValue(getattr(mean, name), DERIVED, source, follows=True)
-        for name in OF_CATALOGUE
+        for name in CATALOGUE_PARAMETERS
     }
 
 
@@ -219,17 +219,22 @@ def with_values(case: Case, values: Mapping[str, Value | ParameterValue]) -> Cas
     of_host = dict[str, ParameterValue]()
     of_rope = dict[str, ParameterValue]()
     for key, value in values.items():
-        entry = value if isinstance(value, ParameterValue) else ParameterValue(value)
+        if isinstance(value, ParameterValue):
+            entry = value
+        else:
+            entry = ParameterValue(value)
         if key in host_parameters():
             of_host[key] = entry
         else:
             of_rope[key] = entry
-    ropes = [replace(rope, values=_stated(rope.values) | of_rope) for rope in case.balance_ropes]
+    ropes = [
+        replace(rope, values=_without_derived(rope.values) | of_rope) for rope in case.balance_ropes
+    ]
     header = {name: getattr(case, name) for name in ("name", "source", "level", "signals")}
-    return apply_rules(_stated(case.host) | of_host, ropes, **header)
+    return apply_rules(_without_derived(case.host) | of_host, ropes, **header)
 
 
-def _stated(values: Mapping[str, ParameterValue]) -> dict[str, ParameterValue]:
+def _without_derived(values: Mapping[str, ParameterValue]) -> dict[str, ParameterValue]:
     return {key: entry for key, entry in values.items() if not entry.follows}
 
 
@@ -276,7 +281,7 @@ def remarks(values: Mapping[str, Value]) -> Iterable[str]:
 
 #: Least spacing of the balance rope's ends over the sheave's diameter without deflection sheaves
 #: [assumed].
-LEAST_SPACING = 0.5
+MIN_SPACING = 0.5
 
 
 def notes(hoist: Hoist, rope: BalanceRopeData) -> Iterable[str]:
@@ -287,10 +292,10 @@ def notes(hoist: Hoist, rope: BalanceRopeData) -> Iterable[str]:
 
     spacing = SuspensionOffset(**rope.suspension).end_distance(value("layout.spacing"))
     diameter = 2.0 * hoist.sheave_radius
-    if spacing < LEAST_SPACING * diameter:
+    if spacing < MIN_SPACING * diameter:
         yield (
             f"layout.spacing: the rope's ends are {spacing:.4g} m apart beside a sheave of "
-            f"{diameter:.4g} m diameter; {LEAST_SPACING * diameter:.4g} m or more is usual without "
+            f"{diameter:.4g} m diameter; {MIN_SPACING * diameter:.4g} m or more is usual without "
             "deflection sheaves [assumed]: check both, and that there are deflection sheaves"
         )
     weight = value("rope.mass_per_length") * value("layout.gravity")

@@ -6,10 +6,18 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from hoist_demo.cases.case import BUILTIN_HOISTS
 from hoist_demo.cases.table import find_case
-from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by
+from hoist_demo.files.reading import (
+    EMPTY,
+    File,
+    Table,
+    contents,
+    flat,
+    path_from_file,
+    reading_chain,
+)
 from hoist_demo.files.registry import SWIVELS, at_both_ends, group_table, run_fields
 from hoist_demo.files.rope_file import FOLLOWING, KnownFile, RopeValues
-from hoist_demo.files.values import ParameterValue, Text, stated, value_type
+from hoist_demo.files.values import ParameterValue, Text, value_type, with_status
 from hoist_demo.parameters.problems import Problems
 from rope_model import Level
 from rope_model.texts import printable
@@ -23,20 +31,20 @@ class FileHeader(Table):
 
     @field_validator("title")
     @classmethod
-    def _is_named(cls, title: str, info: ValidationInfo) -> str:
-        return title or printable(opened_by(info)[-1].stem)
+    def _check_name(cls, title: str, info: ValidationInfo) -> str:
+        return title or printable(reading_chain(info)[-1].stem)
 
     @field_validator("hoist")
     @classmethod
     def _is_there(cls, name: str, info: ValidationInfo) -> str:
         if name.endswith(".toml") and name not in BUILTIN_HOISTS:
-            name = str(beside(info, name))
+            name = str(path_from_file(info, name))
         find_case(name)
         return name
 
 
 def _values(content: Any) -> dict[str, ParameterValue]:
-    return (content.file or {}) | at_both_ends(stated(contents(content)).items())
+    return (content.file or {}) | at_both_ends(with_status(contents(content)).items())
 
 
 _BOTH = {SWIVELS: (group_table(SWIVELS, value_type), Field(default=None))}

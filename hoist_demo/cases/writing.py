@@ -64,11 +64,17 @@ def _value(parameter: Parameter, entry: ParameterValue) -> str:
     if parameter.choices and type(value) is int:
         value = parameter.choices[value]
     if isinstance(value, str | bool):
-        text = toml_string(value) if isinstance(value, str) else str(value).lower()
+        if isinstance(value, str):
+            text = toml_string(value)
+        else:
+            text = str(value).lower()
         if parameter.name in _PARAMETERS and entry.status != GIVEN:
             return f"{{ value = {text}, status = {toml_string(entry.status)} }}"
         return text
     if parameter.kind == "String":  # a count, and no datum
         return repr(value)
-    unit = "" if parameter.unit == "1" else f", unit = {toml_string(parameter.unit)}"
+    if parameter.unit == "1":
+        unit = ""
+    else:
+        unit = f", unit = {toml_string(parameter.unit)}"
     return f"{{ value = {value!r}{unit}, status = {toml_string(entry.status)} }}"

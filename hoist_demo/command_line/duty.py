@@ -118,7 +118,10 @@ def _duty(options: argparse.Namespace) -> int:
     warnings = list[str]()
     if not ropes.case.distinct_ropes:
         warnings.append(contradictions(run.hoist, ropes.data()[0].parameters))
-    recording = _present_signals(ropes) if last is None else last.result.recording
+    if last is None:
+        recording = _present_signals(ropes)
+    else:
+        recording = last.result.recording
     for rope in ropes.data():
         warnings.append(remark(rope_signals(recording, rope.name)))
     for text, count in remarks_of(of_trips).items():

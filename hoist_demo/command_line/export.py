@@ -23,12 +23,12 @@ from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
 from hoist_demo.cases.rules import with_values
 from hoist_demo.cases.table import NATIVE, find_case, fmu_name
 from hoist_demo.command_line.options import settings
-from hoist_demo.command_line.support import Commands, named, results_folder
-from hoist_demo.export.system import WITHOUT, export_hoist, export_rope
+from hoist_demo.command_line.support import Commands, nonempty_path, results_folder
+from hoist_demo.export.system import OMITTABLE, export_hoist, export_rope
 from hoist_demo.files.reading import read
 from hoist_demo.files.registry import CONTROLLER, parameters, rope_parameters
 from hoist_demo.files.rope_file import RopeFile
-from hoist_demo.files.values import plain
+from hoist_demo.files.values import values_of
 from hoist_demo.report.rows import aligned_table
 from rope_model.cases import LEVELS
 from rope_model.files import write_bytes
@@ -133,13 +133,15 @@ def add_export(commands: Commands) -> None:
     export.add_argument(
         "--without",
         nargs="+",
-        choices=WITHOUT,
+        choices=OMITTABLE,
         default=[],
         metavar="NAME",
-        help=f"leave this out of the system: {', '.join(WITHOUT)}; without it, what a system "
+        help=f"leave this out of the system: {', '.join(OMITTABLE)}; without it, what a system "
         "cannot hold is refused",
     )
-    export.add_argument("--out", type=named, help=f"the .fmu to write, or a folder ({BUILD})")
+    export.add_argument(
+        "--out", type=nonempty_path, help=f"the .fmu to write, or a folder ({BUILD})"
+    )
     export.set_defaults(run=_export)
 
 
@@ -219,7 +221,7 @@ def _size(path: Path) -> str:
 
 
 #: Sections of a hoist's file that neither drive nor rope of a system takes.
-_OF_HOSTS = ("coupling.", "arrival.")
+_HOST_SECTIONS = ("coupling.", "arrival.")
 
 
 def _set_values(case: Case, options: argparse.Namespace) -> dict[str, Any]:
@@ -234,7 +236,7 @@ def _set_values(case: Case, options: argparse.Namespace) -> dict[str, Any]:
             raise ValueError(
                 f"--set {key}: the FMU has the rope alone: add --ssp, which exports the drive, too"
             )
-        if key.startswith(_OF_HOSTS):
+        if key.startswith(_HOST_SECTIONS):
             raise ValueError(
                 f"--set {key}: a system leaves this to its master: give it to wind, or to a study"
             )
@@ -250,7 +252,7 @@ def _set_values(case: Case, options: argparse.Namespace) -> dict[str, Any]:
     values: dict[str, Any] = dict(set_here)
     if path is not None:
         values = {**read(path, RopeFile).values(), **set_here}
-    of_rope = {key: value for key, value in plain(values).items() if key in rope_parameters()}
+    of_rope = {key: value for key, value in values_of(values).items() if key in rope_parameters()}
     # report errors of the rope in its own names, not in the hoist's
     rope_scene({**case.rope, **of_rope})
     return values

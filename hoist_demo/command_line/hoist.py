@@ -15,7 +15,7 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.options import SET, settings
 from hoist_demo.command_line.support import Commands, add_command
 from hoist_demo.files.registry import parameters, rope_parameters
-from hoist_demo.files.rope_file import OF_CATALOGUE
+from hoist_demo.files.rope_file import CATALOGUE_PARAMETERS
 from hoist_demo.files.values import read_value
 from rope_model.files import write_text
 
@@ -43,7 +43,10 @@ def add_hoist_commands(commands: Commands) -> None:
     for p in WISHES:
         text = p.help_text
         if p.start:
-            start = f"{p.start:g}" if isinstance(p.start, float) else str(p.start)
+            if isinstance(p.start, float):
+                start = f"{p.start:g}"
+            else:
+                start = str(p.start)
             text += f" ({start})"
         new.add_argument(f"--{p.name}", required=p.start == "", metavar="X", help=text)
     new.add_argument("--out", type=Path, metavar="FILE", help="(NAME.toml)")
@@ -85,9 +88,9 @@ def _new(options: argparse.Namespace) -> int:
     text = new_hoist(name, chosen)
     path.parent.mkdir(parents=True, exist_ok=True)
     if options.schema:
-        beside = path.with_name("hoist.schema.json")
-        write_text(beside, json.dumps(schema()))
-        text = f"#:schema ./{beside.name}\n{text}"
+        schema_path = path.with_name("hoist.schema.json")
+        write_text(schema_path, json.dumps(schema()))
+        text = f"#:schema ./{schema_path.name}\n{text}"
     write_text(path, text)
     quoted = shlex.quote(str(path))
     print(f"written: {path}\nnow: balance-rope show {quoted}; balance-rope wind {quoted}")
@@ -122,7 +125,7 @@ def _rope(options: argparse.Namespace) -> int:
     rope = catalogue_rope(options.construction, float(diameter), float(length), options.lay)
     print(f'[[rope]]\nconstruction = "{options.construction}"\nlay = "{options.lay}"')
     print(f"diameter = {rope.diameter!r}  # m\nlength = {rope.length!r}  # m")
-    for name in OF_CATALOGUE:
+    for name in CATALOGUE_PARAMETERS:
         unit = p[f"rope.{name}"].unit
         print(
             f"# {name} = {getattr(rope.middle, name):.6g}  # {unit}, the middle of the catalogue's "

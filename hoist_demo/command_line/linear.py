@@ -14,7 +14,13 @@ from tqdm import tqdm
 
 from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
 from hoist_demo.cases.table import find_case
-from hoist_demo.command_line.support import Commands, RunCommand, add_command, named, results_folder
+from hoist_demo.command_line.support import (
+    Commands,
+    RunCommand,
+    add_command,
+    nonempty_path,
+    results_folder,
+)
 from rope_model.files import whole_file
 
 _CHANNELS = ("torque_command",), ("rate", "pull_left", "pull_right")
@@ -80,7 +86,11 @@ def _add(
         "--band", type=float, default=2.0, metavar="HZ", help="highest frequency (%(default)s)"
     )
     command.add_argument(
-        "--out", type=named, default=Path("out") / name, metavar="DIR", help="results (%(default)s)"
+        "--out",
+        type=nonempty_path,
+        default=Path("out") / name,
+        metavar="DIR",
+        help="results (%(default)s)",
     )
     return command
 
@@ -137,7 +147,7 @@ def _modes(options: argparse.Namespace) -> int:
 
     from hoist_demo.design.linear_model import PARTS, Modes
     from hoist_demo.design.linearise import linearise, linearise_hoist
-    from hoist_demo.design.reduction import telling
+    from hoist_demo.design.reduction import modal_participation
     from hoist_demo.report.linear_figures import write_modes_figure
 
     if options.count < 1:
@@ -163,7 +173,7 @@ def _modes(options: argparse.Namespace) -> int:
         ) as bar:
             of_model = model.modes(band, _followed(bar))
         modes.append(of_model)
-        felt = telling(model.selected(*_CHANNELS), of_model, band)
+        felt = modal_participation(model.selected(*_CHANNELS), of_model, band)
         at = np.full(felt.size, model.at)
         columns = (at, of_model.frequencies, of_model.damping, felt, of_model.shares.T)
         table = np.column_stack(columns)

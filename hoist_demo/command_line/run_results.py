@@ -109,11 +109,11 @@ class WoundRun:
         return f"Settings that differ from the case {self.run.case}", rows
 
 
-def missing_outputs(units: Mapping[str, str]) -> str:
-    """Return the parts of the reports that a rope with these outputs leaves out; "" for none."""
+def missing_outputs(units: Mapping[str, str]) -> str | None:
+    """Return the parts of the reports that a rope with these outputs leaves out; None without any."""
     groups = [group for group in _DRAWN if not _has_group(units, group)]
     if not groups:
-        return ""
+        return None
     outputs = ", ".join(f"{group}*" for group in groups)
     lacking = ", no ".join(_DRAWN[group] for group in groups)
     return (

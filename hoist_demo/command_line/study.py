@@ -57,7 +57,7 @@ def _study(options: argparse.Namespace) -> int:
     try:
         from hoist_demo.report.html.study import study_report
         from hoist_demo.study.cluster import cluster, run_samples
-        from hoist_demo.study.perform import run_study, write_what_is_there
+        from hoist_demo.study.perform import run_study, write_partial_results
         from hoist_demo.study.store import Store, read_results
     except ModuleNotFoundError as error:
         raise ValueError(
@@ -105,7 +105,7 @@ def _study(options: argparse.Namespace) -> int:
                 partial(run_samples, client, study, store=store, finished=lambda *_: bar.update()),
             )
     except KeyboardInterrupt:
-        table_path = write_what_is_there(study, store)
+        table_path = write_partial_results(study, store)
         kept = "no run was finished"
         if table_path is not None:
             kept = f"what is finished is kept in {table_path}"

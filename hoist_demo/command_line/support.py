@@ -32,7 +32,7 @@ def add_command(
     Its options hold the function to run as `run`.
     """
     form = argparse.RawDescriptionHelpFormatter
-    made = commands.add_parser(
+    parser = commands.add_parser(
         name,
         help=text,
         description=description,
@@ -40,14 +40,17 @@ def add_command(
         formatter_class=form,
         aliases=others,
     )
-    made.set_defaults(run=run)
-    return made
+    parser.set_defaults(run=run)
+    return parser
 
 
 def add_results(command: argparse.ArgumentParser, name: str) -> None:
     """Add --out and --check to a command that reads a file."""
     command.add_argument(
-        "--out", type=named, metavar="DIR", help=f"results (out/{name}/ and the file's name)"
+        "--out",
+        type=nonempty_path,
+        metavar="DIR",
+        help=f"results (out/{name}/ and the file's name)",
     )
     command.add_argument("--check", action="store_true", help="check only")
 
@@ -77,7 +80,7 @@ def writable(out: Path) -> Path:
     return out
 
 
-def named(text: str) -> Path:
+def nonempty_path(text: str) -> Path:
     """Return the path that --out names, for argparse: Path('') would be the working directory."""
     if not text:
         raise argparse.ArgumentTypeError("'' names nothing: give a name, or leave --out away")

@@ -17,7 +17,7 @@ from hoist_demo.command_line.support import (
     Commands,
     add_command,
     interruption,
-    named,
+    nonempty_path,
     results_folder,
 )
 from hoist_demo.cosimulation.checkpoint import Checkpoint
@@ -92,7 +92,7 @@ def add_wind(commands: Commands, fmu: Path) -> None:
         "--in-process", action="store_true", help="run the rope in this process, without an FMU"
     )
     wind.add_argument(
-        "--out", type=named, metavar="DIR", help="results (out/wind and the hoist's name)"
+        "--out", type=nonempty_path, metavar="DIR", help="results (out/wind and the hoist's name)"
     )
     wind.add_argument("--check", action="store_true", help="read and check the hoist, wind nothing")
     wind.add_argument(
@@ -141,7 +141,10 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         )
     _choose_rope(options, default if options.hoist == DEFAULT_HOIST else None)
     set_here = settings(options.set, parameters(_parameters(options)))
-    identified = read(options.rope, RopeFile).values() if options.rope else {}
+    if options.rope:
+        identified = read(options.rope, RopeFile).values()
+    else:
+        identified = {}
     overrides = {key: entry.value for key, entry in identified.items()} | set_here
     values = _winding(options, case) | overrides
     run = from_landing(build(options.hoist, values))

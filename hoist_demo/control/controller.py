@@ -21,7 +21,7 @@ from typing import Any, NamedTuple, Protocol
 from hoist_demo.control.trajectory import Braking, TrajectoryPoint
 from hoist_demo.parameters import Hoist
 from hoist_demo.parameters.quantity import Bounds, ValidatedData, parameter
-from rope_model.physics.elementary import logical_and, maximum, minimum, tanh, where
+from rope_model.physics.elementary import Scalar, logical_and, maximum, minimum, tanh, where
 
 
 @dataclass(frozen=True)
@@ -208,10 +208,10 @@ class SpeedController:
         """Return the force at the rim beyond F_hold [N], and the error of the speed [m/s]."""
         position_ref, speed_ref, _ = motion
         error = speed_ref + self._gains.position * (position_ref - travel) - speed
-        feed_forward = self._gains.feed_forward * self.ahead(motion)
+        feed_forward = self._gains.feed_forward * self.feed_forward(motion)
         return feed_forward + self._gains.speed * error + integral, error
 
-    def ahead(self, motion: Sequence[Any]) -> Any:
+    def feed_forward(self, motion: Sequence[Any]) -> Any:
         """Return the force at the rim of a full feed-forward, beyond F_hold [N]."""
         position, speed, acceleration = motion
         return self._mass * acceleration + self._imbalance_rate * position + self._loss(speed)
@@ -231,6 +231,6 @@ class SpeedController:
             brake=brake.fraction,
         )
 
-    def _loss(self, speed: Any) -> Any:
+    def _loss(self, speed: Scalar) -> Scalar:
         """Friction at the rim and along the guides of both conveyances [N] at a rim speed [m/s]."""
         return self._coulomb * tanh(speed / self._hoist.loss_speed) + self._viscous * speed

@@ -313,10 +313,12 @@ def chain(
     return Trajectory(tuple(starts), tuple(points))
 
 
-def _cut(trip: Trajectory, at: float, then: Trajectory) -> Trajectory:
-    """Join `trip` before time `at` [s] and `then` from it on."""
+def _cut(trip: Trajectory, at: float, continuation: Trajectory) -> Trajectory:
+    """Join `trip` before time `at` [s] and `continuation` from it on."""
     before = bisect_left(trip.starts, at)
-    return Trajectory(trip.starts[:before] + then.starts, trip.points[:before] + then.points)
+    return Trajectory(
+        trip.starts[:before] + continuation.starts, trip.points[:before] + continuation.points
+    )
 
 
 @dataclass(frozen=True)

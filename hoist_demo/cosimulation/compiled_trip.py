@@ -291,7 +291,10 @@ class CompiledTrip:
         trip.sample_count = len(scheme_state.samples)
         trip.step_next = state.step_next
         trip.steps = run.steps
-        trip.integral = 0.0 if run.controller is None else run.controller.integral
+        if run.controller is None:
+            trip.integral = 0.0
+        else:
+            trip.integral = run.controller.integral
         trip.residual = scheme_state.residual
         trip.exchanges = scheme_state.exchanges
         trip.evaluations = 0

@@ -381,7 +381,10 @@ class Host:
         """Return the trip in C; None for a run that only this host winds."""
         rope = self.rope
         # a rope of another class may do more in its steps than its library
-        library = rope.library() if type(rope) is FmuRope or type(rope) is InProcessRope else None
+        if type(rope) is FmuRope or type(rope) is InProcessRope:
+            library = rope.library()
+        else:
+            library = None
         if library is None or not self._can_be_compiled(run):
             return None
         data = TripData(
@@ -516,9 +519,9 @@ class Host:
             return
         part = min((dwelt - first) / (last - first), 1.0)
         now = self.hoist
-        then = self._next_hoist
-        left = now.payload_left + part * (then.payload_left - now.payload_left)
-        right = now.payload_right + part * (then.payload_right - now.payload_right)
+        next_hoist = self._next_hoist
+        left = now.payload_left + part * (next_hoist.payload_left - now.payload_left)
+        right = now.payload_right + part * (next_hoist.payload_right - now.payload_right)
         plant.reload(replace(now, payload_left=left, payload_right=right))
 
     def _result(self, recording: Recording, steps: int, cause: str, course: Course) -> Result:

@@ -56,7 +56,7 @@ class Task:
             raise ValueError(
                 f"controller = {self.controller!r} must be one of {', '.join(DESIGNS)}: choose one"
             )
-        if self.controller in _OWN_TRIP and self.winding.emergency_at is not None:
+        if self.controller in _DESIGNED_TRIPS and self.winding.emergency_at is not None:
             raise ValueError(
                 f"emergency_at = {self.winding.emergency_at:g} s must not be given with controller = "
                 f"{self.controller!r}: stop a trip of pi or pi-feed-forward"
@@ -82,5 +82,5 @@ def _optimised(task: Task) -> Trajectory:
     return optimise(hoist, task.winding, task.gains, task.trajectory, task.start_height)
 
 
-_OWN_TRIP = ("input-shaping", "optimised-trajectory")
+_DESIGNED_TRIPS = ("input-shaping", "optimised-trajectory")
 assert tuple(DESIGNS) == CONTROLLERS

@@ -25,13 +25,13 @@ Solver = Callable[[sp.csc_matrix, sp.csc_matrix], Modes]
 def equal_ropes(names: Sequence[str], matrices: Sequence[sp.csc_matrix]) -> list[list[range]]:
     """Return the coordinates of ropes that are equal to the bit in all matrices, in groups of two or more ropes."""
     groups = list[list[range]]()
-    for own in _ropes(names):
+    for rope in _ropes(names):
         for group in groups:
-            if all(_are_alike(A, group[0], own) for A in matrices):
-                group.append(own)
+            if all(_are_alike(A, group[0], rope) for A in matrices):
+                group.append(rope)
                 break
         else:
-            groups.append([own])
+            groups.append([rope])
     return [group for group in groups if len(group) > 1]
 
 
@@ -77,10 +77,10 @@ def _are_alike(A: sp.csc_matrix, one: range, other: range) -> bool:
     outside = np.ones(A.shape[0], dtype=bool)
     outside[[*one, *other]] = False
     columns = A[:, outside]
-    own = _block(A, one) != _block(A, other)
+    unequal = _block(A, one) != _block(A, other)
     coupling = columns[[*one]] != columns[[*other]]
     between = A[one.start : one.stop, other.start : other.stop]
-    return not (own.nnz or coupling.nnz or between.nnz)
+    return not (unequal.nnz or coupling.nnz or between.nnz)
 
 
 def merged_coordinates(size: int, groups: Sequence[Sequence[range]]) -> sp.csc_matrix:

@@ -20,7 +20,8 @@ from hoist_demo.design.sparse_modes import Progress, sparse_modes
 Array = NDArray[np.float64]
 #: What moves in a mode: the hoist, or the rope along its legs, in the loop's plane, out of it, or about itself.
 PARTS = ("hoist", "vertical", "in plane", "out of plane", "twist")
-MOST_DENSE = 600  #: Coordinates up to which all modes at once take less time than those of a band.
+#: Coordinates up to which all modes at once take less time than those of a band.
+MAX_DENSE_SIZE = 600
 _SLOWEST = 2 * np.pi * 1e-3  #: rad/s, below which a motion is none of vibration.
 _DIRECTION = (1, 0, 2, 1, 0, 2, 3)  #: Of a node's coordinates, by PARTS behind the first.
 
@@ -53,7 +54,7 @@ class _Finder:
         def advance(part: float) -> None:
             self.progress((self.done + part) / self.problems)
 
-        if K.shape[0] <= MOST_DENSE:
+        if K.shape[0] <= MAX_DENSE_SIZE:
             below = (-np.inf, self.largest)
             found: tuple[Array, Array] = eigh(K.toarray(), M.toarray(), subset_by_value=below)
         else:
@@ -147,8 +148,8 @@ class LinearModel:
     def selected(self, inputs: Iterable[str], outputs: Iterable[str]) -> LinearModel:
         """Return the model with these inputs and outputs only; ValueError for others than it has."""
         columns, rows = (
-            _places(inputs, self.inputs, "inputs"),
-            _places(outputs, self.outputs, "outputs"),
+            _indices(inputs, self.inputs, "inputs"),
+            _indices(outputs, self.outputs, "outputs"),
         )
         return replace(
             self,
@@ -162,10 +163,10 @@ class LinearModel:
         )
 
 
-def _places(wanted: Iterable[str], there: tuple[str, ...], what: str) -> list[int]:
-    wanted = tuple(wanted)
-    if missing := [name for name in wanted if name not in there]:
+def _indices(names: Iterable[str], available: tuple[str, ...], what: str) -> list[int]:
+    names = tuple(names)
+    if missing := [name for name in names if name not in available]:
         raise ValueError(
-            f"{what} {', '.join(missing)} must be among {', '.join(there)}: choose from them"
+            f"{what} {', '.join(missing)} must be among {', '.join(available)}: choose from them"
         )
-    return [there.index(name) for name in wanted]
+    return [available.index(name) for name in names]

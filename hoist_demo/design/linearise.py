@@ -38,7 +38,7 @@ HeldBy = Literal["motor", "brake"]
 _MODES = {"locked": 0, "free": 1, "sticking": 2}  #: codes of swivel.mode
 #: Coordinates of an end, and places in a node's row; their accelerations are inputs but for the shared height.
 _END = {"x": 0, "y": 1, "z": 2, "yaw": 6}
-_SHOWN = (
+_DRIVE_OUTPUTS = (
     "angle",
     "rate",
     "motor_rate",
@@ -182,7 +182,10 @@ def _hung(rope: NativeRope, left: EndMotion, right: EndMotion, speed: float = 0.
 
 def _smooth(hoist: Hoist, held_by: HeldBy) -> Hoist:
     """Return the hoist without what has no derivative at rest."""
-    guides = None if hoist.guides is None else replace(hoist.guides, coulomb=0.0)
+    if hoist.guides is None:
+        guides = None
+    else:
+        guides = replace(hoist.guides, coulomb=0.0)
     if held_by == "brake" and hoist.brake is None:
         raise ValueError("held_by = 'brake' needs a hoist with a brake: fit one, or take 'motor'")
     brake = hoist.brake if held_by == "brake" else None
@@ -229,7 +232,7 @@ def _derivatives(structure: Hoist) -> Any:
     )
     rows = ca.vertcat(of.lagrange(x, a, u, l0, p), of.rates(x, u, l0, p))
     outputs = of.outputs(x, u, l0, p)
-    values = ca.vertcat(rows, *(outputs[OUTPUT_INDEX[name]] for name in _SHOWN))
+    values = ca.vertcat(rows, *(outputs[OUTPUT_INDEX[name]] for name in _DRIVE_OUTPUTS))
     jacobians = [ca.densify(ca.jacobian(values, z)) for z in (x, a, u)]
     return ca.Function("derivatives", [x, a, u, l0, p], [ca.cse(y) for y in (*jacobians, values)])
 
@@ -243,11 +246,10 @@ def _linear_hoist(
 ) -> LinearHoist:
     """Return the hoist's part with its conveyances at these heights and this speed, under forces of one rope."""
     plant = HoistPlant(hoist, "portable")
-    state = (
-        plant.equilibrium(*heights, *forces)
-        if held_by == "motor"
-        else plant.hanging_state(*heights, *forces)
-    )
+    if held_by == "motor":
+        state = plant.equilibrium(*heights, *forces)
+    else:
+        state = plant.hanging_state(*heights, *forces)
     x, names, torque = state.x.copy(), list(state_names(hoist)), float(state.x[0])
     u = np.zeros(len(INPUT_NAMES))
     # the asked pressure counts as within its limits, where it acts
@@ -301,7 +303,7 @@ def _linear_hoist(
     B[n:, : len(commands)] = by_u[late][:, [INPUT_NAMES.index(name) for name in commands]]
     B[:n, len(commands)] = -by_x[:n, 0]
     B[1, -2] = B[2, -1] = 1.0
-    seen = [*range(n, n + 2), *range(shown, shown + len(_SHOWN))]
+    seen = [*range(n, n + 2), *range(shown, shown + len(_DRIVE_OUTPUTS))]
     C = by_x[seen][:, [*q, *lag]]
     C_v, C_a = (np.hstack((by[seen], np.zeros((len(seen), len(lag))))) for by in (by_x[:, v], by_a))
     return LinearHoist(
@@ -310,7 +312,7 @@ def _linear_hoist(
         (M, D, K),
         (*commands, "torque", "force_left", "force_right"),
         B,
-        (*_TENSIONS, *_SHOWN),
+        (*_TENSIONS, *_DRIVE_OUTPUTS),
         (C, C_v, C_a),
         np.zeros((len(seen), B.shape[1])),
         np.array([x[0], *([1.0] if held_by == "brake" else []), 0.0, 0.0, 0.0]),
@@ -384,9 +386,10 @@ def _carried(
 def _assembled(at: float, hung: _Hung, hoist: LinearHoist) -> LinearModel:
     """Return hoist and ropes, joined at the heights of the ends."""
     drives, n_lags, ropes = len(hoist.coordinates), len(hoist.lags), [rope for _, rope in hung]
-    heights = (
-        {f"{side}.y": hoist.coordinates.index(f"y_{side}") for side in SIDES} if drives else {}
-    )
+    if drives:
+        heights = {f"{side}.y": hoist.coordinates.index(f"y_{side}") for side in SIDES}
+    else:
+        heights = {}
     held = [
         name
         for name in _end_coordinates(ropes[0])
@@ -426,12 +429,12 @@ def _assembled(at: float, hung: _Hung, hoist: LinearHoist) -> LinearModel:
         for k, H in enumerate(hoist.maps)
     ]
     prefixed = [(f"{spec.name}." if spec.name else "", rope) for spec, rope in hung]
-    own = [
+    rope_coordinates = [
         f"rope.{prefix}{k // 7}.{k % 7}"
         for prefix, rope in prefixed
         for k in np.flatnonzero(rope.free)
     ]
-    names = (*hoist.coordinates, *own, *held, *hoist.lags)
+    names = (*hoist.coordinates, *rope_coordinates, *held, *hoist.lags)
     outputs = [f"{prefix}{name}" for prefix, rope in prefixed for name in rope.outputs]
     return LinearModel(
         at,

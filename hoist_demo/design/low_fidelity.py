@@ -37,7 +37,8 @@ class LowFidelityModel:
     """x' = f(x, jerk), the force that is fed forward, and the start at rest."""
 
     rates: Any  # ca.Function (x, jerk) -> x'
-    ahead: Any  # ca.Function (s, v, a of the reference) -> force at the rim that a full feed-forward asks for [N]
+    # ca.Function (s, v, a of the reference) -> force at the rim of a full feed-forward [N]
+    feed_forward: Any
     start: Vector  # shape (STATES,)
 
 
@@ -76,7 +77,11 @@ def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> L
     start[9] = held
     x = ca.vertcat(reference, q, v, motor, integral)
     fed = ca.Function(
-        "ahead", motion, [held + controller.ahead(motion)], ["r0", "r1", "r2"], ["force"]
+        "feed_forward",
+        motion,
+        [held + controller.feed_forward(motion)],
+        ["r0", "r1", "r2"],
+        ["force"],
     )
     rates = ca.cse(rates)  # the mass matrix is in the accelerations and in B
     return LowFidelityModel(ca.Function("low_fidelity", [x, jerk], [rates]), fed, start)

@@ -53,11 +53,11 @@ def optimise(
     N = limits.intervals
     # start from an S-curve that keeps off the limits, as an interior-point method likes it
     gentle = {name: _INSIDE * getattr(winding, name) for name in ("speed", "acceleration", "jerk")}
-    plain = s_curve(replace(winding, start_delay=0.0, **gentle))
-    times = np.linspace(0.0, plain.duration, N + 1)
-    jerks = np.diff(plain.sample(times)[:, 2]) / np.diff(times)  # means of the intervals
-    N_hold = max(1, round(limits.hold * N / plain.duration))
-    swing = _swing(model, N, N_hold, max(1, math.ceil(plain.duration / N / _SUBSTEP)))
+    first_guess = s_curve(replace(winding, start_delay=0.0, **gentle))
+    times = np.linspace(0.0, first_guess.duration, N + 1)
+    jerks = np.diff(first_guess.sample(times)[:, 2]) / np.diff(times)  # means of the intervals
+    N_hold = max(1, round(limits.hold * N / first_guess.duration))
+    swing = _swing(model, N, N_hold, max(1, math.ceil(first_guess.duration / N / _SUBSTEP)))
 
     # the reference is a chain of integrators between nodes; the hoist follows it from the start to the hold's end
     opti = ca.Opti()
@@ -82,16 +82,18 @@ def optimise(
     opti.subject_to(opti.bounded(-1.0, ca.vec(v[1:N]) / winding.speed, 1.0))
     opti.subject_to(opti.bounded(-1.0, ca.vec(a[1:N]) / winding.acceleration, 1.0))
     limit = hoist.torque_limit / hoist.sheave_radius
-    opti.subject_to(opti.bounded(-1.0, ca.vec(model.ahead(s[1:N], v[1:N], a[1:N])) / limit, 1.0))
-    opti.subject_to(opti.bounded(0.7 * plain.duration, T, 1.5 * plain.duration))
+    opti.subject_to(
+        opti.bounded(-1.0, ca.vec(model.feed_forward(s[1:N], v[1:N], a[1:N])) / limit, 1.0)
+    )
+    opti.subject_to(opti.bounded(0.7 * first_guess.duration, T, 1.5 * first_guess.duration))
 
     price = limits.swing_price / (2.0 * limits.swing_speed**2)
     rough = ca.sumsqr(ca.diff(ca.horzcat(0, J, 0), 1, 1)) / N
     opti.minimize(T + price * swing(T, J * winding.jerk) + _SMOOTHNESS * rough)
 
-    opti.set_initial(T, plain.duration)
+    opti.set_initial(T, first_guess.duration)
     opti.set_initial(J, jerks / winding.jerk)
-    opti.set_initial(r, (plain.sample(times)[:, :3] / np.array([10.0, 10.0, 1.0])).T)
+    opti.set_initial(r, (first_guess.sample(times)[:, :3] / np.array([10.0, 10.0, 1.0])).T)
     opti.solver("ipopt", {"print_time": False}, _IPOPT)
     try:
         solution = opti.solve()

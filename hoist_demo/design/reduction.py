@@ -44,10 +44,10 @@ MAX_DECIBELS = (
     0.5  #: Error of a channel's gain up to which a small model stands for the sparse one: 6 %.
 )
 MAX_DEGREES = 5.0  #: Error of a channel's phase likewise.
-FEWEST_STATES = (
+MIN_STATES = (
     8  #: States beside those of lags and moved ends from which a sufficient number is looked for.
 )
-MOST_STATES = 41  #: States up to which it is looked for.
+MAX_STATES = 41  #: States up to which it is looked for.
 _log = logging.getLogger(__name__)
 _FIT = 1e-2  #: Price of a change of C and D by the fit, over that of an error.
 _SHIFT = 0.3  #: Re s / 2 pi of the basis [Hz].
@@ -60,7 +60,7 @@ _RANK_TOLERANCE = (
 _RELATIVE_RANK_TOLERANCE = (
     1e-12  #: Least kinetic energy of the new motions, over that of what they come from.
 )
-_LEAST = 1e-9  #: Of a channel's largest gain: less is no response.
+_NEGLIGIBLE = 1e-9  #: Of a channel's largest gain: less is no response.
 
 
 @dataclass(frozen=True)
@@ -86,11 +86,11 @@ class ReducedModel:
     share: Array
 
     @property
-    def excess(self) -> str:
-        """Return the channel whose error is farthest above the bounds, as a sentence; "" if all are within."""
+    def excess(self) -> str | None:
+        """Return the channel whose error is farthest above the bounds, as a sentence; None if all are within."""
         excess = np.maximum(self.decibels / MAX_DECIBELS, self.degrees / MAX_DEGREES)
         if float(excess.max(initial=0.0)) <= 1.0:
-            return ""
+            return None
         height, i, k = np.unravel_index(int(np.argmax(excess)), excess.shape)
         return (
             f"at = {self.at[height]:.3g}: a model of {self.A.shape[1]} states errs by "
@@ -159,13 +159,13 @@ class ReducedModel:
         npz, mat, text = (folder / f"plant.{kind}" for kind in ("npz", "mat", "json"))
         with whole_file(npz) as draft:
             np.savez(draft, **data)
-        named = {name: np.array(data[name], dtype=object) for name in ("inputs", "outputs")}
+        names = {name: np.array(data[name], dtype=object) for name in ("inputs", "outputs")}
         # MATLAB has the heights last
         with whole_file(mat) as draft:
             savemat(
                 draft,
                 {name: np.moveaxis(x, 0, -1) if x.ndim == 3 else x for name, x in data.items()}
-                | named,
+                | names,
             )
         write_text(text, json.dumps({name: x.tolist() for name, x in data.items()}))
         return npz, mat, text
@@ -190,7 +190,7 @@ def reduced(
     ------
     ValueError
         If there are not so many states, or the models do not share their inputs and outputs; without `states`, if
-        MOST_STATES leave a larger error.
+        MAX_STATES leave a larger error.
     """
     first = models[0]
     if any((m.inputs, m.outputs) != (first.inputs, first.outputs) for m in models):
@@ -199,8 +199,9 @@ def reduced(
     if states is None:
         return reduction.smallest()
     small = reduction.of(states)
-    if text := small.excess:
-        _log.warning("%s: take more states", text)
+    excess = small.excess
+    if excess is not None:
+        _log.warning("%s: take more states", excess)
     return small
 
 
@@ -218,18 +219,18 @@ class _Reduction:
         first = self._models[0]
         others = first.lags + 2 * len(driven_coordinates(first))
         small = None
-        for states in range(others + FEWEST_STATES, MOST_STATES + 1, 2):
+        for states in range(others + MIN_STATES, MAX_STATES + 1, 2):
             try:
                 small = self.of(states)
             except ValueError:  # there are no more motions
                 if small is None:
                     raise
                 break
-            if not small.excess:
+            if small.excess is None:
                 return small
         if small is None:
             raise ValueError(
-                f"inputs that take {others} states must take fewer than {MOST_STATES}: select fewer"
+                f"inputs that take {others} states must take fewer than {MAX_STATES}: select fewer"
             )
         raise ValueError(
             f"{small.excess}: state the number of states to take such a model, or select other channels"
@@ -268,11 +269,11 @@ class _Reduction:
         """Return motions (free, count) of each height, orthonormal by M, with the same meaning at all heights."""
         first = self._models[0]
         driven = len(driven_coordinates(first))
-        count, least = (states - first.lags) // 2 - driven, first.lags + 2 * driven
+        count, other_states = (states - first.lags) // 2 - driven, first.lags + 2 * driven
         if len(self._models) > 1:
-            return _krylov_bases(self._models, self._band, states, count, least)
+            return _krylov_bases(self._models, self._band, states, count, other_states)
         shapes = self._shapes
-        _require_states(states, count, 1, shapes.shape[1], least)
+        _require_states(states, count, 1, shapes.shape[1], other_states)
         return [shapes[:, :count]]
 
     @cached_property
@@ -280,7 +281,7 @@ class _Reduction:
         """Shapes (free, modes) of the only height, the most telling mode first."""
         (model,) = self._models
         modes = model.modes(BEYOND * self._band)
-        return modes.shapes[:, np.argsort(-telling(model, modes, self._band))]
+        return modes.shapes[:, np.argsort(-modal_participation(model, modes, self._band))]
 
 
 _System = tuple[Array, Array, Array, Array]
@@ -308,7 +309,7 @@ def _states(A: Array, B: Array, s: Complex) -> Complex:
 def _errors(response: Complex, exact: Complex) -> tuple[Array, Array, Array]:
     """Largest errors [dB], [degrees] and over the largest gain, (outputs, inputs); 0 where there is no response."""
     largest = np.abs(exact).max(axis=0)
-    some = np.abs(exact) > _LEAST * largest
+    some = np.abs(exact) > _NEGLIGIBLE * largest
     ratio = np.where(some, response, 1.0) / np.where(some, exact, 1.0)
     share = np.abs(response - exact).max(axis=0) / np.where(largest > 0.0, largest, 1.0)
     decibels = np.abs(20 * np.log10(np.maximum(np.abs(ratio), 1e-300)))
@@ -320,21 +321,31 @@ def driven_coordinates(model: LinearModel) -> list[int]:
     return [k for k in range(model.free, model.free + model.held) if model.B[k].any()]
 
 
-def _require_states(states: int, count: int, fewest: int, most: int, others: int) -> None:
-    if not fewest <= count <= most:
-        low, high = 2 * fewest + others, 2 * most + others + 1  # an odd one is left over
+def _require_states(states: int, count: int, minimum: int, maximum: int, other_states: int) -> None:
+    if not minimum <= count <= maximum:
+        low = 2 * minimum + other_states
+        high = 2 * maximum + other_states + 1  # an odd one is left over
         raise ValueError(f"states = {states} must be within {low} and {high}: take as many")
 
 
 def _krylov_bases(
-    models: Sequence[LinearModel], band: float, states: int, count: int, others: int
+    models: Sequence[LinearModel], band: float, states: int, count: int, other_states: int
 ) -> list[Array]:
-    """Bases of the hoist's own motions and of responses to the inputs and to these; ``others`` are further states."""
+    """Return bases of the hoist's motions and of responses to the inputs and to these.
+
+    ``other_states`` are those of inputs.
+    """
     n = models[0].free
-    own = [k for k, name in enumerate(models[0].names[:3]) if not name.startswith("rope.")]
-    _require_states(states, count, max(len(own), 1), n - 3 + max(len(own), 1), others)
+    hoist_coordinates = [
+        k for k, name in enumerate(models[0].names[:3]) if not name.startswith("rope.")
+    ]
+    minimum = max(len(hoist_coordinates), 1)
+    _require_states(states, count, minimum, n - 3 + minimum, other_states)
     masses = [0.5 * (m.mass + m.mass.T)[:n, :n] for m in models]
-    bases = [_orthonormal(_followed(m, own), M) for m, M in zip(models, masses, strict=True)]
+    bases = [
+        _orthonormal(_quasi_static_motions(m, hoist_coordinates), M)
+        for m, M in zip(models, masses, strict=True)
+    ]
     pushes = [
         np.hstack((M @ W, m.stiffness[:n, driven_coordinates(m)].toarray()))
         for m, M, W in zip(models, masses, bases, strict=True)
@@ -343,34 +354,41 @@ def _krylov_bases(
         if not (missing := count - bases[0].shape[1]):
             break
         s = 2 * np.pi * complex(_SHIFT, band * ((_FIRST_SHIFT + k * _SHIFT_STEP) % _SHIFT_WRAP))
-        news = [_answers(*of, s) for of in zip(models, masses, bases, pushes, strict=True)]
-        T = _new_at_all([x.T @ (M @ x) for x, M in zip(news, masses, strict=True)], missing)
+        directions = [
+            _krylov_directions(*of, s) for of in zip(models, masses, bases, pushes, strict=True)
+        ]
+        T = _common_directions(
+            [x.T @ (M @ x) for x, M in zip(directions, masses, strict=True)], missing
+        )
         if not T.size:
-            most = 2 * bases[0].shape[1] + others + 1
+            maximum = 2 * bases[0].shape[1] + other_states + 1
             raise ValueError(
-                f"states = {states} must be at most {most}, for the inputs move no more: take fewer"
+                f"states = {states} must be at most {maximum}, for the inputs move no more: "
+                "take fewer"
             )
         bases = [
             np.hstack((W, _orthonormal(x @ T, M)))
-            for W, x, M in zip(bases, news, masses, strict=True)
+            for W, x, M in zip(bases, directions, masses, strict=True)
         ]
     return bases
 
 
-def _followed(model: LinearModel, own: Sequence[int]) -> Array:
-    """Slow motions (free, own) of the hoist's ``own`` coordinates, which the rest follows."""
+def _quasi_static_motions(model: LinearModel, hoist_coordinates: Sequence[int]) -> Array:
+    """Slow motions (free, coordinates) of the hoist's ``hoist_coordinates``, which the rest follows."""
     n = model.free
-    rest = np.setdiff1d(np.arange(n), own)
+    rest = np.setdiff1d(np.arange(n), hoist_coordinates)
     K, W = (
         (model.stiffness[:n, :n] + (2 * np.pi * _SHIFT) ** 2 * model.mass[:n, :n]).tocsc(),
-        np.eye(n)[:, own],
+        np.eye(n)[:, hoist_coordinates],
     )
-    W[rest] = -splu(K[rest][:, rest].tocsc()).solve(K[rest][:, own].toarray())
+    W[rest] = -splu(K[rest][:, rest].tocsc()).solve(K[rest][:, hoist_coordinates].toarray())
     return W
 
 
-def _answers(model: LinearModel, M: sp.csc_matrix, W: Array, push: Array, s: complex) -> Array:
-    """Motions at ``s`` under the ``push``, real and imaginary parts, without what the basis ``W`` has of them."""
+def _krylov_directions(
+    model: LinearModel, M: sp.csc_matrix, W: Array, push: Array, s: complex
+) -> Array:
+    """Return motions at ``s`` under the ``push``, real and imaginary parts, less their parts in the basis ``W``."""
     n = model.free
     z = splu((s * s * model.mass + s * model.damping + model.stiffness)[:n, :n].tocsc()).solve(
         push.astype(complex)
@@ -382,12 +400,15 @@ def _answers(model: LinearModel, M: sp.csc_matrix, W: Array, push: Array, s: com
     return np.asarray(x)
 
 
-def _new_at_all(energies: Sequence[Array], most: int) -> Array:
-    """Combinations (answers, up to ``most``) of answers with these kinetic energies that are new at every height."""
+def _common_directions(energies: Sequence[Array], maximum: int) -> Array:
+    """Return combinations (directions, up to ``maximum``) of directions with these kinetic energies.
+
+    They are new at every height.
+    """
     if min(np.trace(energy) for energy in energies) < _RELATIVE_RANK_TOLERANCE:
         return np.empty((len(energies[0]), 0))
     shares = [energy / np.trace(energy) for energy in energies]
-    T = np.linalg.eigh(sum(shares))[1][:, ::-1][:, :most]
+    T = np.linalg.eigh(sum(shares))[1][:, ::-1][:, :maximum]
     while (
         T.shape[1] > 1
         and min(np.linalg.eigvalsh(T.T @ share @ T)[0] for share in shares) < _RANK_TOLERANCE
@@ -421,8 +442,8 @@ def _projected(model: LinearModel, basis: Array) -> _System:
     return _first_order(model, V, W)
 
 
-def telling(model: LinearModel, modes: Modes, band: float) -> Array:
-    """Largest part (modes,) that each mode makes up of any channel on s = alpha + i omega in the band."""
+def modal_participation(model: LinearModel, modes: Modes, band: float) -> Array:
+    """Return the largest share (modes,) of each mode in any channel on s = alpha + i omega in the band."""
     s = _line(band)[:, None]
     omega = 2 * np.pi * modes.frequencies
     # inputs by way of what lags, or by held ends, act on the modes, too
@@ -438,7 +459,8 @@ def telling(model: LinearModel, modes: Modes, band: float) -> Array:
         parts = b[:, :, k] * (c[0][i] + s * c[1][i] + s**2 * c[2][i])
         whole = np.abs(parts.sum(axis=1, keepdims=True))
         share = np.maximum(
-            share, (np.abs(parts) / np.maximum(whole, _LEAST * whole.max() + 1e-300)).max(axis=0)
+            share,
+            (np.abs(parts) / np.maximum(whole, _NEGLIGIBLE * whole.max() + 1e-300)).max(axis=0),
         )
     return share
 
@@ -490,7 +512,9 @@ def _fitted(
     coefficients = np.hstack((C, D))
     for i, row in enumerate(missing.swapaxes(0, 1)):
         size = np.abs(exact[:, i])
-        weight = np.where(size > _LEAST * size.max(axis=0), 1.0 / np.maximum(size, 1e-300), 0.0)
+        weight = np.where(
+            size > _NEGLIGIBLE * size.max(axis=0), 1.0 / np.maximum(size, 1e-300), 0.0
+        )
         left = np.moveaxis(regressors * weight[:, None, :], 1, 2).reshape(-1, regressors.shape[1])
         right = (row * weight).ravel()
         unit = np.linalg.norm(left, axis=0)

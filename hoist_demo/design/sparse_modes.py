@@ -17,7 +17,8 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, splu
 
 Array = NDArray[np.float64]
 Progress = Callable[[float], None]  #: Hears which part of the band is done.
-MOST_IN_PART = 40  #: Modes that one run of ARPACK finds: more take longer each, fewer need more factorisations.
+#: Modes that one run of ARPACK finds: more take longer each, fewer need more factorisations.
+MAX_MODES_PER_RUN = 40
 _BEGIN = (
     -0.1
 )  #: First lower bound of the eigenvalues [1/s^2], below the rounding of motions without stiffness.
@@ -54,14 +55,14 @@ def sparse_modes(
     while waiting:
         low, high = waiting.pop()
         count = high.below - low.below
-        if count > MOST_IN_PART:
+        if count > MAX_MODES_PER_RUN:
             # modes lie evenly over the frequency
             roots = [np.sqrt(max(one.shift, 0.0)) for one in (low, high)]
             middle = _factorised(K, M, float(np.mean(roots)) ** 2)
             waiting += [(middle, high), (low, middle)]
         elif count:
             parts.append(_part(K, M, low, high))
-        if count <= MOST_IN_PART:
+        if count <= MAX_MODES_PER_RUN:
             progress(high.below / top.below)
     values = np.concatenate([part for part, _ in parts])
     vectors = np.hstack([part for _, part in parts])

@@ -63,11 +63,10 @@ def static_slip_safeties(hoist: Hoist, winding: Winding) -> list[StaticSlipSafet
     full = (
         hoist.brake if law in ("torque", "two-stage") else None
     )  # nothing regulates it: the imbalance counts
-    stop = (
-        full.torque / hoist.sheave_radius / hoist.moving_mass
-        if full
-        else winding.emergency_deceleration
-    )
+    if full:
+        stop = full.torque / hoist.sheave_radius / hoist.moving_mass
+    else:
+        stop = winding.emergency_deceleration
     for when, acceleration, falls, required in (
         ("at rest", 0.0, False, AT_REST),
         ("speeding up", up * winding.acceleration, False, MOVING),

@@ -175,7 +175,10 @@ class HoistPlant:
                 return PlantStep(False, f"drive: {_not_finite(path, h, added_mass)}", old)
             begin = reached.s
             # the rest of a step behind a switch may be very short, and longer ones fit all the same
-            size = reached.next_size if state is old else max(size, reached.next_size)
+            if state is old:
+                size = reached.next_size
+            else:
+                size = max(size, reached.next_size)
             x = reached.y[integrator.result["x"]]
             work_totals = reached.y[integrator.result["work_totals"]]
             applied_input = reached.y[integrator.result["applied_input"]]

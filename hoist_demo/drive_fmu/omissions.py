@@ -53,10 +53,10 @@ def obstacles(case: Case) -> list[str]:
         values |= {field: getattr(case.winding, field) for field in omission.winding}
         for field, value in values.items():
             if value is not None:
-                sentences.append(not_held(f"{field} = {value}", "None", omission.reason, name))
+                sentences.append(omission_text(f"{field} = {value}", "None", omission.reason, name))
     return sentences
 
 
-def not_held(what: str, bound: str, reason: str, name: str) -> str:
+def omission_text(what: str, bound: str, reason: str, name: str) -> str:
     """Return the sentence that names the option."""
     return f"{what} must be {bound}: {reason}; leave it out with --without {name}"

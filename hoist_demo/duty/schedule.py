@@ -14,7 +14,7 @@ from pydantic import Field, model_validator
 from hoist_demo.cases.run_values import LevelHeader, RunFile, Values
 from hoist_demo.cases.table import find_case
 from hoist_demo.files.reading import read
-from hoist_demo.files.values import VARIED, plain, statuses
+from hoist_demo.files.values import VARIED, statuses, values_of
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.run.data import RunData, build
 from hoist_demo.run.ropes import Ropes, require_unbroken, ropes_of
@@ -42,7 +42,7 @@ class Schedule(RunFile):
         status_by_name = dict[str, str]()
         for values in (self.fixed, *self.trips):
             status_by_name |= statuses(values)
-        runs = [plain({**self.fixed, **trip}) for trip in self.trips]
+        runs = [values_of({**self.fixed, **trip}) for trip in self.trips]
         for name in status_by_name:
             if len({run.get(name) for run in runs}) > 1:
                 status_by_name[name] = VARIED

@@ -62,11 +62,11 @@ COLUMNS = {
 }
 
 #: Columns that each of several ropes has of its own, under its name.
-_OF_ROPES = ROPE_METRICS | {"yaw_start", "yaw_end", "yaw_dwelling", "yaw_dwelling_at", "turns"}
+_ROPE_COLUMNS = ROPE_METRICS | {"yaw_start", "yaw_end", "yaw_dwelling", "yaw_dwelling_at", "turns"}
 _UNITS = {name: unit for name, (unit, _) in COLUMNS.items()} | {"difference": "1"}
 _SMALLEST_IS_WORST = ("clearance", "slip_safety")
 #: Columns of which the worst trip is reported.
-JUDGED = (
+REPORTED = (
     "rope_force_ripple",
     "rope_force_range",
     "sway",
@@ -148,7 +148,7 @@ def trip_row(trip: WoundTrip, rest: Mapping[str, RestPlace]) -> dict[str, float]
     arrived = trip.result.trajectory.duration
     for name, place in rest.items():
         prefix = f"{name}." if name else ""
-        for key, value in _of_rope(as_only_rope(recording, name), place, arrived).items():
+        for key, value in _rope_columns(as_only_rope(recording, name), place, arrived).items():
             measured[f"{prefix}{key}"] = value
     return {column: measured.get(column, math.nan) for column in _columns([*rest])}
 
@@ -156,13 +156,13 @@ def trip_row(trip: WoundTrip, rest: Mapping[str, RestPlace]) -> dict[str, float]
 def _columns(ropes: Sequence[str]) -> Iterator[str]:
     """Yield the names of the columns, those of each of several ropes with its name."""
     for column in COLUMNS:
-        if column in _OF_ROPES and tuple(ropes) != ("",):
+        if column in _ROPE_COLUMNS and tuple(ropes) != ("",):
             yield from (f"{rope}.{column}" for rope in ropes)
         else:
             yield column
 
 
-def _of_rope(recording: Recording, rest: RestPlace, arrived: float) -> dict[str, float]:
+def _rope_columns(recording: Recording, rest: RestPlace, arrived: float) -> dict[str, float]:
     """Return what a trip shows of one rope beside its metrics."""
     columns = {
         "sway": float(np.max(np.abs(recording["loop.x"] - rest.x))),
@@ -202,7 +202,9 @@ def _yaw(recording: Recording, arrived: float) -> dict[str, float]:
 
 def trip_table(rows: Sequence[Mapping[str, float]], cycle: int) -> Recording:
     """Return all rows as columns, with the change from the trip a cycle before."""
-    columns = {name: np.array([row[name] for row in rows]) for name in rows[-1]}
+    columns = dict[str, Array]()
+    for name in rows[-1]:
+        columns[name] = np.array([row[name] for row in rows])
     columns["difference"] = differences(columns, cycle)
     return Recording(columns, {name: unit_of(name) for name in columns})
 
@@ -239,9 +241,9 @@ def steady_from(trips: Recording, cycle: int) -> int | None:
 def worst(trips: Recording, cycle: int) -> list[Worst]:
     """Return the worst trip by each column of JUDGED that the rope's fidelity shows."""
     worst_trips = []
-    for judged in JUDGED:
+    for reported in REPORTED:
         for name, values in trips.signals.items():
-            if name_without_rope(name) == judged and np.isfinite(values).all():
+            if name_without_rope(name) == reported and np.isfinite(values).all():
                 worst_trips.append(_worst(name, values, trips["trip"], cycle))
     return worst_trips
 

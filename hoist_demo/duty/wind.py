@@ -50,7 +50,10 @@ def wind_duty(
     for number in range(done + 1, schedule.count + 1):
         run = schedule.trip(number)
         is_designed = closed or number <= len(drives)
-        drive = drives[(number - 1) % len(drives)] if is_designed else run.design()
+        if is_designed:
+            drive = drives[(number - 1) % len(drives)]
+        else:
+            drive = run.design()
         result = wind_run(
             run,
             rope,

@@ -16,7 +16,7 @@ from fmu_src.ssp import Component, Datum, Version, export_ssp
 from hoist_demo.cases.case import Case
 from hoist_demo.drive_fmu.description import drive_model, duration
 from hoist_demo.drive_fmu.interface import DriveRope
-from hoist_demo.drive_fmu.omissions import OMISSIONS, leave_out, not_held, obstacles
+from hoist_demo.drive_fmu.omissions import OMISSIONS, leave_out, obstacles, omission_text
 from hoist_demo.parameters import start_heights
 from hoist_demo.parameters.problems import Problems
 from rope_model.cases import Level
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 DRIVE = "drive"  #: Name of the drive in a system.
 ROPE = "rope"  #: Name of the rope in a system with one.
 #: Names of what a system can leave out: of hoist and trip, and of ropes.
-WITHOUT = (*OMISSIONS, "break", "guard", "touching")
+OMITTABLE = (*OMISSIONS, "break", "guard", "touching")
 # Where drive and ropes step at the same time, each gets the other's data a step late, and that
 # feeds the axial waves of a rope in proportion to its mass over the conveyance's. Measured over
 # whole trips: steps of 10 ms let them grow at installed sizes, with ropes of 0.36 and more of the
@@ -129,9 +129,9 @@ def export_hoist(
     ValueError
         For parts that a system cannot hold; the message says how to leave them out.
     """
-    if unknown := sorted({*without} - {*WITHOUT}):
+    if unknown := sorted({*without} - {*OMITTABLE}):
         raise ValueError(
-            f"without = {unknown[0]!r} must be one of {', '.join(WITHOUT)}: choose one"
+            f"without = {unknown[0]!r} must be one of {', '.join(OMITTABLE)}: choose one"
         )
     if step is not None and not 0.0 < step <= MAX_STEP:
         raise ValueError(
@@ -199,12 +199,14 @@ def _obstacles(case: Case, ropes: Sequence[OneRope], without: Collection[str]) -
         for rope in ropes:
             if rope.breaks is not None:
                 value = f"{rope.name}: breaks_at = {rope.breaks.t:g} s"
-                yield not_held(value, "None", "the rope of an FMU holds", "break")
+                yield omission_text(value, "None", "the rope of an FMU holds", "break")
     if "touching" not in without and len(ropes) > 1:
         stiffness = ropes[0].scene.shaft.contact.rope_stiffness
         if stiffness > 0.0:
             reason = "each rope of a system presses itself alone, it knows no neighbours"
-            yield not_held(f"contact.rope_stiffness = {stiffness:g} N/m2", "0", reason, "touching")
+            yield omission_text(
+                f"contact.rope_stiffness = {stiffness:g} N/m2", "0", reason, "touching"
+            )
 
 
 def _guards(name: str, parameters: Mapping[str, Value]) -> Iterator[str]:
@@ -213,7 +215,7 @@ def _guards(name: str, parameters: Mapping[str, Value]) -> Iterator[str]:
     for guard in _GUARDS:
         value = parameters.get(guard, 0.0)
         if value:
-            yield not_held(f"{name}: {guard} = {value}", "0", reason, "guard")
+            yield omission_text(f"{name}: {guard} = {value}", "0", reason, "guard")
 
 
 def _parameters(case: Case, ropes: Sequence[OneRope]) -> dict[str, Mapping[str, Value]]:

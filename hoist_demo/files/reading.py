@@ -88,7 +88,10 @@ def table_of(
     for number, (key, members) in enumerate(members_by_key.items()):
         whole = f"{name}.{key}"
         is_leaf = members[0].name == whole
-        kind = leaf(members[0]) if is_leaf else table_of(whole, members, leaf)
+        if is_leaf:
+            kind = leaf(members[0])
+        else:
+            kind = table_of(whole, members, leaf)
         # brackets in a key are no identifier
         fields[f"key{number}"] = (kind, pydantic.Field(default=None, alias=key))
     title = "".join(map(str.title, name.split(".")))
@@ -157,14 +160,14 @@ def errors_of_file(path: Path) -> Iterator[None]:
         raise FileError(path, str(error).splitlines()) from error
 
 
-def opened_by(info: pydantic.ValidationInfo) -> tuple[Path, ...]:
+def reading_chain(info: pydantic.ValidationInfo) -> tuple[Path, ...]:
     """Return the file that is read, the last, and those that led to it."""
     return info.context or (Path("file"),)
 
 
-def beside(info: pydantic.ValidationInfo, name: str) -> Path:
+def path_from_file(info: pydantic.ValidationInfo, name: str) -> Path:
     """Return the path of a file that the one which is read names."""
-    return opened_by(info)[-1].parent / name
+    return reading_chain(info)[-1].parent / name
 
 
 def _tables(path: Path) -> dict[str, Any]:

@@ -9,7 +9,16 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
-from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by, read
+from hoist_demo.files.reading import (
+    EMPTY,
+    File,
+    Table,
+    contents,
+    flat,
+    path_from_file,
+    read,
+    reading_chain,
+)
 from hoist_demo.files.registry import group_table, rope_parameters
 from hoist_demo.files.values import (
     DERIVED,
@@ -18,9 +27,9 @@ from hoist_demo.files.values import (
     ParameterValue,
     ParameterValues,
     Text,
-    plain,
     read_text,
     value_type,
+    values_of,
 )
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import NONNEGATIVE, POSITIVE, Parameter
@@ -33,8 +42,8 @@ from rope_model.texts import printable
 FAR_OFF = 10.0
 #: parameters of a rope that follow from the properties, and those of rope and hoist by the property
 #: that decides them
-OF_CATALOGUE = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ")
-FOLLOWING = (*OF_CATALOGUE, "length", "diameter")
+CATALOGUE_PARAMETERS = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ")
+FOLLOWING = (*CATALOGUE_PARAMETERS, "length", "diameter")
 _FOLLOWING = {
     "mass_per_length": ("rope.mass_per_length", "rope.rhoJ", "hoist.tail_rope_mass"),
     "axial_stiffness": ("rope.Qa",),
@@ -42,7 +51,7 @@ _FOLLOWING = {
     "torsional_stiffness": ("rope.Qd",),
     "bending_stiffness": ("rope.EI",),
 }
-_BY_RULE = ("rope.rhoJ", "hoist.tail_rope_mass")  #: Those that are no property themselves.
+_DERIVED = ("rope.rhoJ", "hoist.tail_rope_mass")  #: Those that are no property themselves.
 
 
 def following_statuses(statuses: Mapping[str, str]) -> dict[str, str]:
@@ -50,7 +59,7 @@ def following_statuses(statuses: Mapping[str, str]) -> dict[str, str]:
     following = dict[str, str]()
     for key, status in statuses.items():
         for name in _FOLLOWING.get(key, ()):
-            by_rule = name in _BY_RULE and status != VARIED
+            by_rule = name in _DERIVED and status != VARIED
             following[name] = DERIVED if by_rule else status
     return following
 
@@ -59,7 +68,7 @@ def _read_other(content: Any, info: ValidationInfo) -> KnownFile | None:
     """Return the file that [rope] names by `from`."""
     if not content:
         return None
-    return read(beside(info, read_text(content)), _OtherFile, opened_by(info))
+    return read(path_from_file(info, read_text(content)), _OtherFile, reading_chain(info))
 
 
 class CatalogueQuery(Table):
@@ -75,12 +84,12 @@ class CatalogueQuery(Table):
 
 
 _BOUNDS = dict.fromkeys(PROPERTIES, POSITIVE) | {"torque_factor": NONNEGATIVE}
-_KNOWN = [
+_PROPERTY_TABLE = [
     Parameter(name, p.unit, "Real", bounds=_BOUNDS[name], meaning=name)
     for name, p in PROPERTIES.items()
 ]
 Properties = Annotated[
-    ParameterValues, flat("Properties", {p.name: (value_type(p), None) for p in _KNOWN})
+    ParameterValues, flat("Properties", {p.name: (value_type(p), None) for p in _PROPERTY_TABLE})
 ]
 
 
@@ -107,7 +116,7 @@ class KnownFile(File):
     @cached_property
     def catalogue_arguments(self) -> dict[str, Any]:
         """Arguments for the catalogue, those of the file that [rope] names included."""
-        here = plain({key: entry for key, entry in contents(self.rope) if key != "from"})
+        here = values_of({key: entry for key, entry in contents(self.rope) if key != "from"})
         if self.rope.file:
             return {**self.rope.file.catalogue_arguments, **here}
         return here
@@ -173,7 +182,7 @@ class RopeFile(_OtherFile):
 
 
 def _values_there(content: Any, info: ValidationInfo) -> dict[str, ParameterValue]:
-    return read(beside(info, read_text(content)), RopeFile, opened_by(info)).values()
+    return read(path_from_file(info, read_text(content)), RopeFile, reading_chain(info)).values()
 
 
 #: the type of `from = "FILE"`: values of a rope's parameter file

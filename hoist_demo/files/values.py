@@ -87,12 +87,15 @@ class ParameterValue:
     follows: bool = False  # whether a rule derived it from stated values
 
 
-def plain(values: Mapping[str, Any]) -> dict[str, Any]:
+def values_of(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values without status and source, by name."""
-    values_alone = dict[str, Any]()
+    values_by_name = dict[str, Any]()
     for key, entry in values.items():
-        values_alone[key] = entry.value if isinstance(entry, ParameterValue) else entry
-    return values_alone
+        if isinstance(entry, ParameterValue):
+            values_by_name[key] = entry.value
+        else:
+            values_by_name[key] = entry
+    return values_by_name
 
 
 def statuses(values: Mapping[str, ParameterValue]) -> dict[str, str]:
@@ -100,7 +103,9 @@ def statuses(values: Mapping[str, ParameterValue]) -> dict[str, str]:
     return {key: entry.status for key, entry in values.items()}
 
 
-def stated(values: Iterable[tuple[str, object]], status: str = GIVEN) -> dict[str, ParameterValue]:
+def with_status(
+    values: Iterable[tuple[str, object]], status: str = GIVEN
+) -> dict[str, ParameterValue]:
     """Return the values among what a table sets, with this status where they state none."""
     return {
         k: replace(v, status=v.status or status) for k, v in values if isinstance(v, ParameterValue)

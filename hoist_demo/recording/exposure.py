@@ -111,7 +111,7 @@ BINS = {name: _one_two_five(first, last) for name, (first, last) in _DECADES.ite
 _JOINED = {"least": np.minimum} | dict.fromkeys(("largest", "range", "amplitude"), np.maximum)
 
 #: Columns that are those of the record in which another one is least or largest.
-_GOES_WITH = {
+_COMPANIONS = {
     "least_at": ("least", np.argmin),
     "largest_at": ("largest", np.argmax),
     "frequency": ("amplitude", np.argmax),
@@ -188,9 +188,9 @@ def joined_exposure(parts: Sequence[Recording]) -> Recording:
 def _joint(parts: Sequence[Recording], name: str) -> Array:
     quantity, _, key = name.rpartition(".")
     rows = np.array([part[name] for part in parts])
-    if key not in _GOES_WITH:
+    if key not in _COMPANIONS:
         return np.asarray(_JOINED.get(key, np.add).reduce(rows))
-    leading, choose = _GOES_WITH[key]
+    leading, choose = _COMPANIONS[key]
     chosen = choose([part[f"{quantity}.{leading}"] for part in parts], axis=0)
     return np.asarray(np.take_along_axis(rows, chosen[None], axis=0)[0])
 
@@ -240,8 +240,8 @@ def _counted(name: str, values: Array) -> dict[str, Array]:
         return dict.fromkeys(keys, np.full(values.shape[1], np.nan))
     cycles = [_cycles(column) for column in values.T]
     ranges = np.array([max(station.ranges, default=0.0) for station in cycles])
-    least = COUNTED * float(np.max(ranges))
-    counted = np.array([station.number_above(least) for station in cycles])
+    threshold = COUNTED * float(np.max(ranges))
+    counted = np.array([station.number_above(threshold) for station in cycles])
     edges = (*BINS[name], np.inf)
     binned = [np.histogram(station.ranges, edges, weights=station.counts)[0] for station in cycles]
     return dict(zip(keys, (ranges, counted, *np.transpose(binned)), strict=True))
@@ -253,10 +253,10 @@ class _Cycles(NamedTuple):
     ranges: list[float]
     counts: list[float]  # 1, or 0.5 for a half cycle
 
-    def number_above(self, least: float) -> float:
+    def number_above(self, threshold: float) -> float:
         """Return the number of cycles of at least this range; 0 if it is 0."""
         pairs = zip(self.ranges, self.counts, strict=True)
-        return sum(count for size, count in pairs if size >= least > 0.0)
+        return sum(count for size, count in pairs if size >= threshold > 0.0)
 
 
 def _cycles(column: Array) -> _Cycles:

@@ -32,7 +32,7 @@ class Stop(NamedTuple):
     side: str
     stopping_distance: float  # m, its own, until it first stands still
     time: float | None  # s, until then; None: it never does
-    then: float = 0.0  # m, farthest from there later, positive upwards
+    drift: float = 0.0  # m, farthest from there later, positive upwards
     # by the head ropes on the sheave, from where these first stand to the end of the record
     held: bool = True
     speed: float = 0.0  # m/s, at the end of the record
@@ -130,7 +130,7 @@ def stops(recording: Recording, begin: float | None, radius: float) -> list[Stop
                 side,
                 stopping_distance=float(np.max(way[: last + 1])),
                 time=None if stand is None else float(t[last] - t[0]),
-                then=max((y[last:] - y[last]).tolist(), key=abs),
+                drift=max((y[last:] - y[last]).tolist(), key=abs),
                 held=held and stand is not None,
                 speed=float(vy[-1]),
                 farthest=float(np.max(way)),
@@ -181,13 +181,13 @@ def slack_ropes(recording: Recording) -> list[SlackRopes]:
 
 
 SLIP_SIGNALS = frozenset({"drive.slip", "drive.slip_speed"})  #: Signals from which slip follows.
-ALIKE = "make the two sides more alike in weight"  #: What gives friction more room.
+BALANCE_SIDES = "make the two sides more alike in weight"  #: What gives friction more room.
 
 #: Words on head ropes that hold where friction alone would not.
 IN_SPITE = (
     "the model lets them hold, so nothing after that instant is a prediction. Let them slip "
     "(hoist.lining.sliding = 0.8), brake or accelerate more gently "
-    f"(winding.emergency_deceleration, winding.acceleration), or {ALIKE}"
+    f"(winding.emergency_deceleration, winding.acceleration), or {BALANCE_SIDES}"
 )
 
 

@@ -17,7 +17,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.rcsetup import cycler
 
-from hoist_demo.cosimulation.participants.rope_data import UNKNOWN, RopeData
+from hoist_demo.cosimulation.participants.rope_data import NO_DATA, RopeData
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Array, Recording, shape_rows
@@ -64,7 +64,7 @@ def write_figures(
     hoist: Hoist,
     directory: Path,
     marks: Sequence[Mark] = (),
-    ropes: Sequence[RopeData] = (UNKNOWN,),
+    ropes: Sequence[RopeData] = (NO_DATA,),
 ) -> list[Path]:
     """Write PNG files, with `marks` as dashed lines, and return their paths in reading order."""
     signals = dict(recording.signals)
@@ -106,7 +106,7 @@ def _draw(ax: Axes, panel: Panel, time: Array, signals: Mapping[str, Array]) -> 
     if panel.limit is not None:
         ax.axhline(panel.limit.value, color=ACCENTS[2], lw=1.0, ls="--", label=panel.limit.label)
     ax.set_ylabel("" if panel.unit == "1" else f"[{panel.unit}]")
-    _widen(ax, 0.5 * panel.least)
+    _widen(ax, 0.5 * panel.min_range)
     legend(ax)
 
 
@@ -290,9 +290,9 @@ def legend(ax: Axes) -> None:
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
 
 
-def _widen(ax: Axes, least: float, axis: str = "y") -> None:
-    """Show at least +- `least` about the middle, so that no rounding error fills a panel."""
+def _widen(ax: Axes, half_range: float, axis: str = "y") -> None:
+    """Show at least +- `half_range` about the middle, so that no rounding error fills a panel."""
     low, high = ax.get_ylim() if axis == "y" else ax.get_xlim()
-    if high - low < 2.0 * least and math.isfinite(high - low):
+    if high - low < 2.0 * half_range and math.isfinite(high - low):
         middle = (low + high) / 2.0
-        ax.set(**{f"{axis}lim": (middle - least, middle + least)})
+        ax.set(**{f"{axis}lim": (middle - half_range, middle + half_range)})

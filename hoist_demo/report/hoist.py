@@ -65,25 +65,25 @@ class _Entries:
 
     def __init__(self, case: Case, status_by_name: Mapping[str, str]) -> None:
         self._status_by_name = status_by_name
-        self._stated = case.values
-        self._stated_by_prefix = {f"{one.name}.": one.values for one in case.distinct_ropes}
-        self._stated_by_prefix[""] = case.values
+        self._values = case.values
+        self._values_by_prefix = {f"{one.name}.": one.values for one in case.distinct_ropes}
+        self._values_by_prefix[""] = case.values
 
     def entry(self, name: str, value: Value, prefix: str = "") -> ParameterValue:
         """Return the entry of a value; `prefix` is that of one of several ropes."""
-        of_rope = self._stated_by_prefix.get(prefix, {})
-        stated = of_rope.get(name) or self._stated.get(name)
+        of_rope = self._values_by_prefix.get(prefix, {})
+        entry_in_file = of_rope.get(name) or self._values.get(name)
         status = self._status_by_name.get(f"{prefix}{name}", SETTING)
         # the spacing of several ropes contains their places
         if status == SETTING or name == _SPACING:
-            if stated is not None and stated.value == value:
-                status = stated.status
+            if entry_in_file is not None and entry_in_file.value == value:
+                status = entry_in_file.status
             else:
                 status = GIVEN if isinstance(value, str | bool) else ASSUMED
         elif status not in STATUSES:
             status = GIVEN
-        if stated is not None and name in self._stated:
-            return ParameterValue(value, status, stated.source)
+        if entry_in_file is not None and name in self._values:
+            return ParameterValue(value, status, entry_in_file.source)
         return ParameterValue(value, status)
 
 
@@ -361,14 +361,17 @@ def _neighbours(ropes: Sequence[OneRope], yaws: Mapping[str, float]) -> Iterator
         x_other, _, z_other = other.suspension.origin
         distance = abs(z - z_other)
         radii = 0.5 * (one.scene.rope.diameter + other.scene.rope.diameter)
-        least = abs(_reach(one, yaws[one.name]) - _reach(other, yaws[other.name])) + radii
-        if abs(x - x_other) < one.scene.layout.spacing and distance < least:
+        required_distance = (
+            abs(_reach(one, yaws[one.name]) - _reach(other, yaws[other.name])) + radii
+        )
+        if abs(x - x_other) < one.scene.layout.spacing and distance < required_distance:
             angle = f"{math.degrees(yaws[one.name]):.2g}"
             angle_other = f"{math.degrees(yaws[other.name]):.2g}"
             yield (
                 f"{one.name} and {other.name}, {distance:.3g} m apart in z, may touch: their "
                 f"loops yaw by up to {angle} and {angle_other} degrees at rest, and in a trip by "
-                f"up to {YAWS:g} times that [assumed]: hang them {least:.2g} m apart, or see their "
+                f"up to {YAWS:g} times that [assumed]: hang them {required_distance:.2g} m apart, or "
+                "see their "
                 "clearance in wind's verdict"
             )
 

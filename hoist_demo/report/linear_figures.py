@@ -16,7 +16,7 @@ from hoist_demo.design.linear_model import LinearModel, Modes
 from hoist_demo.design.reduction import ALPHA, SLOWEST
 from hoist_demo.report.figures import ACCENTS, REFERENCE, STYLE, save_figure
 
-_SHOWN = (
+_CHANNELS = (
     ("rate", "Torque to sheave speed", "[rad/s per N m]"),
     ("pull_left", "Torque to head-rope pull, left", "[N per N m]"),
 )
@@ -46,7 +46,7 @@ def write_modes_figure(
         frequencies = np.union1d(
             np.linspace(SLOWEST, band, _EVEN_STEPS), np.geomspace(SLOWEST, band, _EVEN_RATIOS)
         )
-        names = [name for name, _, _ in _SHOWN]
+        names = [name for name, _, _ in _CHANNELS]
         some = [models[k] for k in sorted({0, len(models) // 2, len(models) - 1})]
         curves: list[tuple[LinearModel, str, dict[str, Any]]] = [
             (m, f"at {m.at:g}", {"color": _colour(m.at)}) for m in some
@@ -62,7 +62,7 @@ def write_modes_figure(
             for one, (gain, phase) in zip(G.T, axes[1:].T, strict=True):
                 gain.loglog(frequencies, np.abs(one), label=label, lw=1.2, **style)
                 phase.semilogx(frequencies, np.degrees(np.unwrap(np.angle(one))), lw=1.2, **style)
-        for (_, title, unit), (gain, phase) in zip(_SHOWN, axes[1:].T, strict=True):
+        for (_, title, unit), (gain, phase) in zip(_CHANNELS, axes[1:].T, strict=True):
             gain.set_title(title)
             gain.set_ylabel(unit)
             phase.set_ylabel("[degrees]")
@@ -78,13 +78,20 @@ def _colour(at: float) -> tuple[float, ...]:
 def _frequencies(
     figure: Figure, ax: Axes, models: Sequence[LinearModel], modes: Sequence[Modes], band: float
 ) -> None:
-    for model, own in zip(models, modes, strict=True):
-        order = np.argsort(own.shares[0])
-        share = own.shares[0][order]
+    for model, modes_here in zip(models, modes, strict=True):
+        order = np.argsort(modes_here.shares[0])
+        share = modes_here.shares[0][order]
         size = 3.0 + 30.0 * share
         at = np.full(share.size, model.at)
         drawn = ax.scatter(
-            at, own.frequencies[order], size, share, cmap="Blues", vmin=-0.4, vmax=1.0, lw=0.0
+            at,
+            modes_here.frequencies[order],
+            size,
+            share,
+            cmap="Blues",
+            vmin=-0.4,
+            vmax=1.0,
+            lw=0.0,
         )
     bar = figure.colorbar(drawn, ax=ax, label="hoist's share of the kinetic energy")
     bar.ax.set_ylim(0.0, 1.0)  # the map begins below, for a share of 0 is to be seen
@@ -99,10 +106,13 @@ def _poles(ax: Axes, models: Sequence[LinearModel], modes: Sequence[Modes]) -> N
 
     Those with hardly any damping lie on the imaginary axis.
     """
-    for k, (model, own) in enumerate(zip(models, modes, strict=True)):
-        real = -2 * np.pi * own.frequencies * own.damping
-        label = f"at {model.at:g}" if k in (0, len(models) // 2, len(models) - 1) else None
-        ax.plot(real, own.frequencies, "x", ms=4.0, color=_colour(model.at), label=label)
+    for k, (model, modes_here) in enumerate(zip(models, modes, strict=True)):
+        real = -2 * np.pi * modes_here.frequencies * modes_here.damping
+        if k in (0, len(models) // 2, len(models) - 1):
+            label = f"at {model.at:g}"
+        else:
+            label = None
+        ax.plot(real, modes_here.frequencies, "x", ms=4.0, color=_colour(model.at), label=label)
     ax.axvline(0.0, color=ACCENTS[3], lw=0.8)
     ax.set_title("Poles of the modes, upper half")
     ax.set_xlabel("real part [1/s]")

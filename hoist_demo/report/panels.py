@@ -52,14 +52,14 @@ class Limit:
 class Panel:
     """Plot over time.
 
-    `least` is the smallest height of its axis, so that rounding errors stay flat.
+    `min_range` is the smallest height of its axis, so that rounding errors stay flat.
     """
 
     group: str
     title: str
     unit: str
     lines: tuple[Line, ...]
-    least: float = 0.0
+    min_range: float = 0.0
     limit: Limit | None = None
 
 
@@ -94,14 +94,16 @@ def panels(recording: Recording, hoist: Hoist, names: Sequence[str] = ("",)) -> 
             drawable.add(name)
     shown: list[Panel] = []
     for declared in _all(hoist):
-        for panel in _of_ropes(declared, drawable, names):
+        for panel in _panels_of_ropes(declared, drawable, names):
             lines = tuple(line for line in panel.lines if line.signal in drawable)
             if lines:
                 shown.append(replace(panel, lines=lines))
     return shown
 
 
-def _of_ropes(panel: Panel, drawable: Collection[str], names: Sequence[str]) -> Iterator[Panel]:
+def _panels_of_ropes(
+    panel: Panel, drawable: Collection[str], names: Sequence[str]
+) -> Iterator[Panel]:
     """Yield the panels for several ropes.
 
     A signal of one line is drawn for all ropes in one panel, others in a panel for each rope.
@@ -132,7 +134,7 @@ def is_constant(recording: Recording, panel: Panel) -> bool:
     ]
     if len(recorded) < len(panel.lines):
         return False
-    return bool(max(recorded) <= ROUNDING * panel.least)
+    return bool(max(recorded) <= ROUNDING * panel.min_range)
 
 
 def _ends(pattern: str, factor: float = 1.0) -> tuple[Line, Line]:
@@ -175,7 +177,7 @@ def _winding_panels() -> Iterator[Panel]:
     yield Panel(group, "Speed", "m/s", _followed("reference.speed", "vy"))
     yield Panel(group, "Acceleration", "m/s²", _followed("reference.acceleration", "ay"))
     error = _lines({"derived.tracking_error": "error"}, factor=_MILLI)
-    yield Panel(group, "Tracking error, left", "mm", error, least=1.0)
+    yield Panel(group, "Tracking error, left", "mm", error, min_range=1.0)
 
 
 def _drive_panels(hoist: Hoist) -> Iterator[Panel]:
@@ -197,7 +199,7 @@ def _drive_panels(hoist: Hoist) -> Iterator[Panel]:
     yield Panel(group, "Tension ratio on the sheave", "1", (ratio,), limit=limit)
     if hoist.lining is not None:
         way = _lines({"drive.slip": "way"})
-        yield Panel(group, "Head ropes slipped on the sheave", "m", way, least=0.01)
+        yield Panel(group, "Head ropes slipped on the sheave", "m", way, min_range=0.01)
         yield Panel(group, "Speeds at the sheave's rim", "m/s", _lines(_SPEEDS))
 
 
@@ -212,16 +214,16 @@ def _rope_panels(count: int) -> Iterator[Panel]:
     from_bodies = _lines({f"clearance.{kind}": words for kind, words in BODIES.items()})
     between_legs = Line("loop.clearance", "clearance", "c")
     yield Panel(group, "Pull on the conveyances", "kN", pull)
-    yield Panel(group, "Side force on the conveyances, in plane", "N", side_force, least=1.0)
+    yield Panel(group, "Side force on the conveyances, in plane", "N", side_force, min_range=1.0)
     title = "Moment on the conveyances about the vertical"
-    yield Panel(group, title, "N m", moment, least=1.0)
+    yield Panel(group, title, "N m", moment, min_range=1.0)
     yield Panel(group, "Lowest point of the loop", "m", _lines({"loop.y": "height"}))
     title = "Lowest point of the loop, sideways"
-    yield Panel(group, title, "m", _lines(_SIDEWAYS), least=0.02)
-    yield Panel(group, "Yaw of the loop", "deg", (yaw,), least=0.02)
-    yield Panel(group, "Turns of the legs about each other", "1", (turns,), least=0.01)
-    yield Panel(group, "Clearance from what is in the shaft", "m", from_bodies, least=0.02)
-    yield Panel(group, "Clearance between the legs", "m", (between_legs,), least=0.02)
+    yield Panel(group, title, "m", _lines(_SIDEWAYS), min_range=0.02)
+    yield Panel(group, "Yaw of the loop", "deg", (yaw,), min_range=0.02)
+    yield Panel(group, "Turns of the legs about each other", "1", (turns,), min_range=0.01)
+    yield Panel(group, "Clearance from what is in the shaft", "m", from_bodies, min_range=0.02)
+    yield Panel(group, "Clearance between the legs", "m", (between_legs,), min_range=0.02)
 
 
 def _swivel_panels() -> Iterator[Panel]:
@@ -229,10 +231,10 @@ def _swivel_panels() -> Iterator[Panel]:
     angle = _ends("{}.swivel.angle", factor=_DEGREES)
     torque = _ends("{}.swivel.torque")
     twist = (*_ends("{}.twist"), Line("loop.twist", "loop", "c"))
-    yield Panel(group, "Swivel angle", "deg", angle, least=0.1)
-    yield Panel(group, "Swivel rate", "rad/s", _ends("{}.swivel.rate"), least=0.01)
-    yield Panel(group, "Moment of the swivel on the rope", "N m", torque, least=0.1)
-    yield Panel(group, "Twist of the rope", "rad/m", twist, least=1e-3)
+    yield Panel(group, "Swivel angle", "deg", angle, min_range=0.1)
+    yield Panel(group, "Swivel rate", "rad/s", _ends("{}.swivel.rate"), min_range=0.01)
+    yield Panel(group, "Moment of the swivel on the rope", "N m", torque, min_range=0.1)
+    yield Panel(group, "Twist of the rope", "rad/m", twist, min_range=1e-3)
 
 
 def _energy_panels() -> Iterator[Panel]:

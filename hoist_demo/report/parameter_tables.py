@@ -36,8 +36,8 @@ def rope_tables(
         status = statuses.get(f"{rope.prefix}{name}", "")
         parameters.append((name, word(rope.display(name)), unit, status))
     return [
-        (rope.whose("Balance rope"), head),
-        (rope.whose("Parameters of the balance rope"), parameters),
+        (rope.with_name("Balance rope"), head),
+        (rope.with_name("Parameters of the balance rope"), parameters),
     ]
 
 

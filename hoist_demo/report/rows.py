@@ -130,6 +130,9 @@ def provenance_table(data: Sequence[SourcedValue]) -> TitledRows:
     rows = list[Row]()
     for one in sorted(data, key=lambda one: STATUSES.index(one.status)):
         if one.status != SETTING:
-            value = one.value if isinstance(one.value, str) else number(one.value)
+            if isinstance(one.value, str):
+                value = one.value
+            else:
+                value = number(one.value)
             rows.append((one.name, value, unit_text(one.unit), one.status))
     return TITLE, rows

@@ -38,7 +38,7 @@ def _largest(values: Array) -> float:
     return float(np.nanmax(np.abs(values)))
 
 
-def _least(values: Array) -> float:
+def _minimum(values: Array) -> float:
     return float(np.nanmin(values))
 
 
@@ -94,7 +94,7 @@ _ROWS = (
     _SignalRow(_DRIVE, "peak speed", ("conveyance.left.vy",), _SPEED, _largest),
     _SignalRow(_DRIVE, "peak motor torque", ("drive.torque",), _DRIVE_TORQUE, _largest),
     _SignalRow(_DRIVE, "largest head rope tension", _HEAD_ROPE_TENSIONS, _FORCE, _largest),
-    _SignalRow(_ROPE, "lowest point of the loop", ("loop.y",), _LENGTH, _least),
+    _SignalRow(_ROPE, "lowest point of the loop", ("loop.y",), _LENGTH, _minimum),
     _SignalRow(_ROPE, "largest yaw of the loop", ("loop.yaw",), _DEGREE, _largest),
     _SignalRow(_ROPE, "largest torque at a swivel", _SWIVEL_TORQUES, _TORQUE, _largest),
     _SignalRow(_ROPE, "largest bending stress", ("stress.bending_max",), _STRESS, _largest),
@@ -144,7 +144,7 @@ def summarize(
             rows += _moments(recording)
         for name in names:
             of_rope = f", {name}" if name else ""
-            for row in _of_rope(recording, name):
+            for row in _rope_rows(recording, name):
                 rows.append(replace(row, group=f"{row.group}{of_rope}"))
         if "energy.work_ends" in recording:
             defect = _rough(exchange_energy(recording, hoist))
@@ -155,7 +155,7 @@ def summarize(
     return (*rows, *_clock(result, coupling))
 
 
-def _of_rope(recording: Recording, name: str) -> Iterator[SummaryRow]:
+def _rope_rows(recording: Recording, name: str) -> Iterator[SummaryRow]:
     rope = rope_signals(recording, name)
     if name:
         pull = rope["left.fy"] + rope["right.fy"]

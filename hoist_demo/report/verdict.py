@@ -320,14 +320,14 @@ def _rows(
         *_head_ropes(result.recording, hoist),
         *_emergency_stops(result, hoist),
         *_cycle_time(result, arrival),
-        *_of_each(ropes, _swings),
-        *_of_each(ropes, _clearances),
+        *_rows_of_ropes(ropes, _swings),
+        *_rows_of_ropes(ropes, _clearances),
         *_between_ropes(pairs, ropes),
         *_slip_safeties(result, hoist),
         _strikes(ropes, pairs),
         _guards(result.recording, ropes[0]),
-        *_of_each(ropes, _swivels),
-        *_of_each(ropes, _errors),
+        *_rows_of_ropes(ropes, _swivels),
+        *_rows_of_ropes(ropes, _errors),
     ]
 
 
@@ -335,9 +335,9 @@ def _emergency_stops(result: Result, hoist: Hoist) -> Iterator[VerdictRow]:
     for stop in stops(result.recording, result.winding.emergency_at, hoist.sheave_radius):
         text = f"{stop.stopping_distance:.2f} m"
         text += ", and goes on" if stop.time is None else f" in {stop.time:.2f} s"
-        if abs(stop.then) >= SMALLEST_DRIFT:
-            direction = "up" if stop.then > 0.0 else "down"
-            text += f", then {abs(stop.then):.2f} m {direction}"
+        if abs(stop.drift) >= SMALLEST_DRIFT:
+            direction = "up" if stop.drift > 0.0 else "down"
+            text += f", then {abs(stop.drift):.2f} m {direction}"
         if abs(stop.speed) > STILL:
             text += f", at {number(abs(stop.speed), 2)} m/s in the end"
         quantity = f"way of the {stop.side} conveyance in the emergency stop"
@@ -350,7 +350,10 @@ def _cycle_time(result: Result, arrival: Arrival) -> Iterator[VerdictRow]:
         return
     cycle = trip_metrics(result, arrival).get("cycle_time")
     if cycle is not None:
-        text = f"{cycle:.2f} s" if math.isfinite(cycle) else "not within the record"
+        if math.isfinite(cycle):
+            text = f"{cycle:.2f} s"
+        else:
+            text = "not within the record"
         yield VerdictRow("cycle time, until the conveyances have arrived", text)
 
 
@@ -366,7 +369,7 @@ def _slip_safeties(result: Result, hoist: Hoist) -> Iterator[VerdictRow]:
             f"slip safety {hold.when}",
             hold.text,
             bound=f"at least {hold.required:g}: {hold.rule}",
-            holds=hold.enough,
+            holds=hold.sufficient,
             where=f"t = {hold.t:.2f} s",
         )
 
@@ -387,7 +390,7 @@ def _guards(recording: Recording, rope: _Rope) -> VerdictRow:
     return VerdictRow("guards", "none tripped" if causes else "none set", bound, holds)
 
 
-def _of_each(
+def _rows_of_ropes(
     ropes: Sequence[_Rope], rows_of: Callable[[_Rope], Iterator[VerdictRow]]
 ) -> list[VerdictRow]:
     """Return the rows of all ropes, comparable ones side by side."""
@@ -400,13 +403,13 @@ def _of_each(
         equal = len(rows) == len(ropes) and len({row for _, row in rows}) == 1
         for data, row in rows:
             # rows that are the same for all ropes need no rope's name
-            shown[row if equal else replace(row, quantity=data.whose(quantity))] = None
+            shown[row if equal else replace(row, quantity=data.with_name(quantity))] = None
     return list(shown)
 
 
 #: Relative error of the forces between two ropes, against the law, that the verdict mentions.
 SMALLEST_FORCE_ERROR = 1e-3
-_ALONE = (
+_NO_CONTACT = (
     ": each went on as if alone; contact.rope_stiffness = 1e6 and model.fidelity = torsional let "
     "them press each other"
 )
@@ -418,7 +421,7 @@ def _between(pair: RopePair, error: float) -> Iterator[VerdictRow]:
     if near is not None:
         where = _where(near.t, near.position)
         if near.clearance <= 0.0 and pair.account is None:
-            where += _ALONE
+            where += _NO_CONTACT
         yield VerdictRow(
             f"clearance between {pair.one} and {pair.other}",
             f"{rounded(near.clearance, error)} m",
@@ -447,7 +450,7 @@ def _where(t: float, point: Sequence[float]) -> str:
 def _pulls(recording: Recording, hoist: Hoist, ropes: Sequence[_Rope]) -> Iterator[VerdictRow]:
     """Yield the pull of all balance ropes on each conveyance, in digits that its error allows."""
     count = max(hoist.tail_rope_number, len(ropes))
-    whose = "the rope" if count == 1 else f"all {count} ropes"
+    ropes_text = "the rope" if count == 1 else f"all {count} ropes"
     kilo = 1e-3 * hoist.tail_rope_number
     ends = [end for end in SIDES if f"{end}.fy" in recording]
     largest = max((np.nanmax(np.abs(recording[f"{end}.fy"])) for end in ends), default=0.0)
@@ -457,7 +460,7 @@ def _pulls(recording: Recording, hoist: Hoist, ropes: Sequence[_Rope]) -> Iterat
         low = int(np.nanargmin(pull))
         high = int(np.nanargmax(pull))
         yield VerdictRow(
-            f"pull of {whose} on the {end} conveyance",
+            f"pull of {ropes_text} on the {end} conveyance",
             f"{rounded(pull[low], error)} to {rounded(pull[high], error)} kN",
             bound=_HANGS,
             holds=bool(pull[low] > -np.nan_to_num(error)),
@@ -478,12 +481,12 @@ def _head_ropes(recording: Recording, hoist: Hoist) -> Iterator[VerdictRow]:
         if name not in recording:
             continue
         row = int(np.argmin(recording[name]))
-        least = float(recording[name][row])
+        smallest_force = float(recording[name][row])
         yield VerdictRow(
             f"smallest pull of the head ropes, {side}",
-            f"{number(1e-3 * least, 3)} kN",
+            f"{number(1e-3 * smallest_force, 3)} kN",
             bound=bound,
-            holds=least > threshold,
+            holds=smallest_force > threshold,
             where=f"t = {recording.time[row]:.2f} s",
         )
 

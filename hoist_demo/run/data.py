@@ -19,7 +19,7 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.design.controllers import Task
 from hoist_demo.files.registry import CONTROLLER, data_of, host_parameters
-from hoist_demo.files.values import GIVEN, ParameterValue, plain
+from hoist_demo.files.values import GIVEN, ParameterValue, values_of
 from hoist_demo.parameters import GRAVITY, Arrival, Coupling, Hoist
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.parameters.winding import require_jams_on_the_way, require_trip_fits
@@ -32,12 +32,12 @@ if TYPE_CHECKING:
 
 _VERSION = version("balance-rope")
 #: Data that only one controller uses, and that is not part of the key of the others' runs.
-CONTROLLER_OF = {"shaper": "input-shaping", "trajectory": "optimised-trajectory"}
+CONTROLLER_BY_SECTION = {"shaper": "input-shaping", "trajectory": "optimised-trajectory"}
 #: Data of the winding that is not part of the key of runs without creep.
 _CREEP = ("creep_speed", "creep_distance", "departure_creep_distance")
 
 #: Fields that say for what a trip was designed, where that is not what is wound.
-_OF_DESIGN = ("nominal", "start")
+_DESIGN_FIELDS = ("nominal", "start")
 #: Keys of fields in records, where they differ.
 _RECORD_KEYS = {"rope_values": "fmu", "status_by_name": "given"}
 
@@ -60,7 +60,7 @@ class RunData(Task):
         return {
             name: value
             for name, value in data.items()
-            if name not in _OF_DESIGN or value is not None
+            if name not in _DESIGN_FIELDS or value is not None
         }
 
     def host_values(self) -> dict[str, Value]:
@@ -80,9 +80,9 @@ class RunData(Task):
         del data["case"], data["given"]  # all that its file says is in the rest
         # of other controllers all that was designed is in the rest
         if self.controller != "optimised-trajectory":
-            for name in _OF_DESIGN:
+            for name in _DESIGN_FIELDS:
                 data.pop(name, None)
-        for tuning, controller in CONTROLLER_OF.items():
+        for tuning, controller in CONTROLLER_BY_SECTION.items():
             if self.controller != controller:
                 del data[tuning]
         if not self.winding.creeps:
@@ -109,11 +109,14 @@ def build(
     """
     hoist_case = with_values(find_case(case), values)
     varied = dict(varied or {})
-    differing = plain(varied)
+    differing = values_of(varied)
     status_by_name = dict(hoist_case.status_by_name)
     for key, value in varied.items():
-        status_by_name[key] = value.status if isinstance(value, ParameterValue) else GIVEN
-    host = {**plain(hoist_case.host), **differing}
+        if isinstance(value, ParameterValue):
+            status_by_name[key] = value.status
+        else:
+            status_by_name[key] = GIVEN
+    host = {**values_of(hoist_case.host), **differing}
     run = RunData(
         case=case,
         controller=str(host.get(CONTROLLER.name, CONTROLLER.start)),
@@ -123,7 +126,7 @@ def build(
         status_by_name=status_by_name,
         **data_of(host),
     )
-    designed = _designed(hoist_case, plain(nominal or {}))
+    designed = _designed(hoist_case, values_of(nominal or {}))
     if designed.hoist != run.hoist:
         run = replace(run, nominal=designed.hoist)
     run.require_possible()
@@ -139,7 +142,7 @@ def build(
 
 def _designed(case: Case, nominal: Mapping[str, Value]) -> Case:
     """Return the hoist with the values at which its trip is designed."""
-    hoist = data_of({**plain(case.host), **nominal})["hoist"]
+    hoist = data_of({**values_of(case.host), **nominal})["hoist"]
     return replace(case, hoist=hoist, rope={**case.rope, **fmu_part(nominal)})
 
 

@@ -313,7 +313,10 @@ def _rope(recording: Recording) -> dict[str, float]:
     for name in BODIES:
         if f"nearest.{name}.clearance" in recording:
             smallest = float(recording[f"nearest.{name}.clearance"][-1])
-            metrics[f"clearance_{name}"] = smallest if smallest < FAR else math.nan
+            if smallest < FAR:
+                metrics[f"clearance_{name}"] = smallest
+            else:
+                metrics[f"clearance_{name}"] = math.nan
     if "loop.clearance" in recording:
         metrics["clearance"] = float(np.min(recording["loop.clearance"]))
     return metrics

@@ -28,7 +28,8 @@ class Probe:
 
     def __init__(self, fmu: Path) -> None:
         self._fmu = fmu
-        self._refusals: dict[str, str] = {}  # by parameters and heights
+        # messages by parameters and heights, None where the rope starts
+        self._refusals: dict[str, str | None] = {}
 
     def require_start(self, run: RunData) -> None:
         """Refuse a rope that does not start with the run's parameters.
@@ -37,7 +38,7 @@ class Probe:
         """
         heights = start_heights(run.hoist, run.winding)
         refusal = self._refusal(run.rope_values, heights)
-        if not refusal:
+        if refusal is None:
             return
         values_of_case = find_case(run.case).rope
         set_here = {
@@ -46,7 +47,7 @@ class Probe:
         problems = Problems()
         for key, value in set_here.items():
             refusal_of_key = self._refusal({**values_of_case, key: value}, heights)
-            if refusal_of_key:
+            if refusal_of_key is not None:
                 problems.append(f"{key} = {value!r}: {refusal_of_key}")
         if not problems:
             words = ", ".join(f"{key} = {value!r}" for key, value in set_here.items())
@@ -85,7 +86,7 @@ class Probe:
             "file, or --set NAME=VALUE)"
         )
 
-    def _refusal(self, parameters: Mapping[str, Value], heights: tuple[float, float]) -> str:
+    def _refusal(self, parameters: Mapping[str, Value], heights: tuple[float, float]) -> str | None:
         key = json.dumps([dict(parameters), heights], sort_keys=True)
         if key not in self._refusals:
             left, right = (EndMotion(y=y) for y in heights)
@@ -97,12 +98,12 @@ def _differing(starts: Mapping[str, Value | None], scene: Mapping[str, Value]) -
     """Return the values of a scene from which an FMU's start values differ, by name."""
     differing = dict[str, Value]()
     for name, start in starts.items():
-        if name in scene and start is not None and not _same(start, scene[name]):
+        if name in scene and start is not None and not _is_equal(start, scene[name]):
             differing[name] = scene[name]
     return differing
 
 
-def _same(one: Value, other: Value) -> bool:
+def _is_equal(one: Value, other: Value) -> bool:
     if isinstance(one, float) and isinstance(other, int | float):
         return math.isclose(one, other, rel_tol=ROUNDING)
     return one == other
@@ -110,8 +111,8 @@ def _same(one: Value, other: Value) -> bool:
 
 def _refusal_at_start(
     fmu: Path, parameters: Mapping[str, Value], left: EndMotion, right: EndMotion
-) -> str:
-    """Return the message with which the FMU refuses to start; "" if it starts."""
+) -> str | None:
+    """Return the message with which the FMU refuses to start; None if it starts."""
     try:
         rope = FmuRope(fmu, parameters)
     except ValueError as error:
@@ -122,5 +123,5 @@ def _refusal_at_start(
     finally:
         rope.close()
     if status.valid:
-        return ""
+        return None
     return status.message or "the FMU does not initialize, without a message"

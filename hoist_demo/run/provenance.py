@@ -16,7 +16,7 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.files.registry import CONTROLLER, host_parameters, rope_parameters
 from hoist_demo.files.values import ASSUMED, DERIVED, GIVEN, VARIED
 from hoist_demo.parameters.quantity import Value
-from hoist_demo.run.data import CONTROLLER_OF, RunData
+from hoist_demo.run.data import CONTROLLER_BY_SECTION, RunData
 from rope_model.files import whole_file
 from rope_model.texts import csv_cell
 
@@ -104,7 +104,7 @@ def _leaves(run: RunData) -> Iterator[tuple[str, Value, str]]:
     Parts that are None are left out.
     """
     for name, value in run.host_values().items():
-        controller = CONTROLLER_OF.get(name.partition(".")[0], run.controller)
+        controller = CONTROLLER_BY_SECTION.get(name.partition(".")[0], run.controller)
         if controller == run.controller and name != CONTROLLER.name:
             yield name, value, host_parameters()[name].unit
 

@@ -22,7 +22,7 @@ from hoist_demo.cosimulation.participants.rope_group import (
 )
 from hoist_demo.cosimulation.schemes.interface import ENDS, RopePlant
 from hoist_demo.files.registry import rope_parameters
-from hoist_demo.files.values import DERIVED, ParameterValue, plain
+from hoist_demo.files.values import DERIVED, ParameterValue, values_of
 from hoist_demo.parameters import Hoist, hoist_with
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
@@ -73,7 +73,10 @@ class OneRope:
 
     def data(self) -> RopeData:
         """Return the identity of the rope for the reports."""
-        breaks = None if self.breaks is None else (self.breaks.t, self.breaks.s)
+        if self.breaks is None:
+            breaks = None
+        else:
+            breaks = (self.breaks.t, self.breaks.s)
         return replace(self.plant.data(), name=self.name, suspension=self.suspension, breaks=breaks)
 
 
@@ -150,7 +153,7 @@ def ropes_of(
     `outputs` are those that are recorded of each rope, as of `OneRope`.
     """
     if not case.distinct_ropes:
-        parameters = {**run.rope_values, **fmu_part(plain(overrides))}
+        parameters = {**run.rope_values, **fmu_part(values_of(overrides))}
         return Ropes(case, run, (OneRope("", parameters, level, case, outputs=outputs),))
     case = with_values(case, overrides)
     guards = _guards(run.rope_values)
@@ -207,11 +210,12 @@ def _require_distinct_places(ropes: Sequence[OneRope]) -> None:
     )
     for one, other in combinations(ropes, 2):
         distance = min(math.dist(one.suspension.at(end), other.suspension.at(end)) for end in ENDS)
-        least = 0.5 * (one.scene.rope.diameter + other.scene.rope.diameter)
-        if distance < least:
+        required_distance = 0.5 * (one.scene.rope.diameter + other.scene.rope.diameter)
+        if distance < required_distance:
             problems.append(
                 f"rope {other.name}: an end that is {distance:g} m from that of {one.name} must be at "
-                f"least {least:g} m away with {pressed}, or they touch where they hang: move it by "
+                f"least {required_distance:g} m away with {pressed}, or they touch where they "
+                "hang: move it by "
                 f"z or x_left and x_right, {alone}"
             )
     problems.refuse()

@@ -8,11 +8,19 @@ from numpy.typing import NDArray
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.design.statics import AT_REST, MOVING
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.recording.incidents import ALIKE, IN_SPITE, jams, slack_ropes, tension_ratios
+from hoist_demo.recording.incidents import (
+    BALANCE_SIDES,
+    IN_SPITE,
+    jams,
+    slack_ropes,
+    tension_ratios,
+)
 from hoist_demo.recording.time_series import Array, Recording
 
-_GENTLER = f"accelerate more gently (winding.acceleration), or {ALIKE}"
-_SOFTER = f"brake more gently (winding.emergency_deceleration, the hoist's brake), or {ALIKE}"
+_GENTLER = f"accelerate more gently (winding.acceleration), or {BALANCE_SIDES}"
+_SOFTER = (
+    f"brake more gently (winding.emergency_deceleration, the hoist's brake), or {BALANCE_SIDES}"
+)
 
 
 class SlipSafety(NamedTuple):
@@ -29,12 +37,12 @@ class SlipSafety(NamedTuple):
     def text(self) -> str:
         """Return the number, with words where its digits would be those of what is asked for."""
         number = f"{self.safety:.2f}"
-        if not self.enough and float(number) == self.required:
+        if not self.sufficient and float(number) == self.required:
             return f"just below {self.required:g}"
         return number
 
     @property
-    def enough(self) -> bool:
+    def sufficient(self) -> bool:
         """True if the required safety is reached."""
         return self.safety >= self.required
 
@@ -76,7 +84,7 @@ def slip_safeties(result: Result, hoist: Hoist) -> list[SlipSafety]:
             rows=(time == time[0]) | arrived,
             required=AT_REST,
             rule=_USUAL,
-            cure=ALIKE,
+            cure=BALANCE_SIDES,
         ),
         _Part(
             "in normal winding",
@@ -92,7 +100,7 @@ def slip_safeties(result: Result, hoist: Hoist) -> list[SlipSafety]:
             rows=time > until,
             required=1.0,
             rule="below it they slip",
-            cure=ALIKE if winding.emergency_at is None else _SOFTER,
+            cure=BALANCE_SIDES if winding.emergency_at is None else _SOFTER,
         ),
     ]
     safeties = []
@@ -113,7 +121,7 @@ def slip_warnings(result: Result, hoist: Hoist) -> list[str]:
     return [
         f"slip safety {one.when} is {one.text}, not {one.required:g}: {one.cure}"
         for one in slip_safeties(result, hoist)
-        if not one.enough
+        if not one.sufficient
     ]
 
 

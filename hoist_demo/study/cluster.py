@@ -37,7 +37,7 @@ _log = logging.getLogger(__name__)
 Finished = Callable[[str, Outcome], None]
 #: Time that a worker works on what it is given at once, if that is more than one run [s].
 BATCH = 0.5
-AHEAD = 2  #: Batches per thread given before others have ended.
+QUEUED_BATCHES = 2  #: Batches per thread given before others have ended.
 MIN_THREADS = 16  #: Threads that are counted at least: workers may join.
 
 #: Nobody looks at the stacks that workers would sample a hundred times a second, nor at the
@@ -130,8 +130,8 @@ def run_samples(
 
     while remaining or batches:
         threads = max(1, sum(client.ncores().values()))
-        while remaining and len(batches) < AHEAD * max(threads, MIN_THREADS):
-            size = max(1, min(int(BATCH / pace), len(remaining) // (AHEAD * threads)))
+        while remaining and len(batches) < QUEUED_BATCHES * max(threads, MIN_THREADS):
+            size = max(1, min(int(BATCH / pace), len(remaining) // (QUEUED_BATCHES * threads)))
             submit(remaining[:size])
             del remaining[:size]
         future = next(submitted)

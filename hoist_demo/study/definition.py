@@ -39,7 +39,7 @@ from hoist_demo.files.reading import (
     table_of,
 )
 from hoist_demo.files.registry import parameters, run_fields
-from hoist_demo.files.values import VARIED, ParameterValue, Text, plain, statuses
+from hoist_demo.files.values import VARIED, ParameterValue, Text, statuses, values_of
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.time_series import match_signals
@@ -98,10 +98,11 @@ class Tune(Table):
                 f"searches = {plan.searches} must be at most points = {plan.sample}: each begins "
                 "at one"
             )
-        least = 2 * dimensions + 2
-        if plan.steps < least:
+        min_steps = 2 * dimensions + 2
+        if plan.steps < min_steps:
             raise ValueError(
-                f"steps = {plan.steps} must be at least {least}, two per range and two more: give "
+                f"steps = {plan.steps} must be at least {min_steps}, two per range and two more: "
+                "give "
                 "more"
             )
         return plan
@@ -339,15 +340,15 @@ class Study:
         run = from_landing(
             build(self.hoist, {**fixed, **chosen}, self.signals, varied=disturbances)
         )
-        named = self.objective.metrics if self.objective else {}
-        of_arrival = [name for name in ARRIVALS if name in named]
+        metrics = self.objective.metrics if self.objective else {}
+        of_arrival = [name for name in ARRIVALS if name in metrics]
         stopped_at = run.winding.emergency_at
         if stopped_at is not None and of_arrival:
             raise ValueError(
                 f"{of_arrival[0]} must be left out, for winding.emergency_at = {stopped_at:g} s: "
                 "judge stop_distance"
             )
-        return StudyRun(variant, {**plain(fixed), **values}, run)
+        return StudyRun(variant, {**values_of(fixed), **values}, run)
 
     def samples_at(self, values: Mapping[str, Value]) -> list[StudyRun]:
         """Return the runs of a search at a point: for every variant and all values of the lists."""
@@ -377,7 +378,7 @@ def _require_one_rope(hoist: str) -> None:
 
 #: Starts tried before a study winds, spread evenly over more runs; what another refuses is the
 #: cause in its row.
-MAX_TRIED = 200
+MAX_CHECKED = 200
 #: Passes the drawn values on one by one while they are checked, which takes a while.
 CheckProgress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
 
@@ -420,7 +421,7 @@ def _samples(
     """Return the runs of all points, those of a variant one after the other; check all of them."""
     probe = Probe(study.fmu)
     samples = list[StudyRun]()
-    every = math.ceil(len(points) * len(study.variants) / MAX_TRIED)
+    every = math.ceil(len(points) * len(study.variants) / MAX_CHECKED)
     with Problems() as problems:
         for values in progress(points):
             for name in study.variants:

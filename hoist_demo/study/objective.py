@@ -157,7 +157,10 @@ class Objective:
         feasible = [run for run in runs if run.feasible]
         by_share = self.judge == "share"
         costs = [run.cost for run in (feasible if by_share and feasible else runs)]
-        cost = max(costs) if self.judge == "worst" else sum_of(costs) / len(costs)
+        if self.judge == "worst":
+            cost = max(costs)
+        else:
+            cost = sum_of(costs) / len(costs)
         violations_by_bound = zip(*(run.violations for run in runs), strict=True)
         score = Score(cost, tuple(map(max, violations_by_bound)))
         return ChoiceScore(score, within=len(feasible) / len(runs), by_share=by_share)

@@ -77,7 +77,7 @@ def run_study(study: Study, store: Store, run: RunSamples) -> StudyResult:
     return _write(study, store, samples, run(samples))
 
 
-def write_what_is_there(study: Study, store: Store) -> Path | None:
+def write_partial_results(study: Study, store: Store) -> Path | None:
     """Write the table of an interrupted study's runs, of a search return its folder.
 
     None without a run.

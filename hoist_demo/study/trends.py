@@ -100,7 +100,10 @@ def _along(objective: Objective | None, key: str, runs: RunLine) -> Iterator[tup
         turn = _turn(pairs)
         if turn is not None:
             x, y, word = turn
-            shown = f"{y:.4g}" if UNITS[metric] == "1" else f"{y:.4g} {UNITS[metric]}"
+            if UNITS[metric] == "1":
+                shown = f"{y:.4g}"
+            else:
+                shown = f"{y:.4g} {UNITS[metric]}"
             yield (
                 metric + word,
                 f"{metric} has its {word}, {shown}, at {key} = {x:g}, inside its range",
@@ -152,9 +155,9 @@ def _turn(pairs: Sequence[tuple[float, float]]) -> tuple[float, float, str] | No
     if len(pairs) < 3:
         return None
     y = [value for _, value in pairs]
-    least = max(PROMINENCE * (max(y) - min(y)), NOISE * max(map(abs, y)))
+    prominence = max(PROMINENCE * (max(y) - min(y)), NOISE * max(map(abs, y)))
     for word, sign in (("largest value", 1.0), ("smallest value", -1.0)):
         k = max(range(len(y)), key=lambda i: sign * y[i])
-        if 0 < k < len(y) - 1 and sign * y[k] - max(sign * y[0], sign * y[-1]) > least > 0.0:
+        if 0 < k < len(y) - 1 and sign * y[k] - max(sign * y[0], sign * y[-1]) > prominence > 0.0:
             return pairs[k][0], y[k], word
     return None

@@ -238,7 +238,10 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
         for name, value in drawn.items():
             if name.startswith("hoist.") or (keeps_length and name == "rope.length"):
                 continue
-            values[name] = value if isinstance(value, ParameterValue) else ParameterValue(value)
+            if isinstance(value, ParameterValue):
+                values[name] = value
+            else:
+                values[name] = ParameterValue(value)
         if _lay(rope) * _lay(first) < 0.0:
             for name in _COUPLING:
                 values[name] = ParameterValue(-float(values[name].value))

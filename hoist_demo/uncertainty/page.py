@@ -5,7 +5,7 @@ from pathlib import Path
 
 from hoist_demo.recording.time_series import Recording, write_csv
 from hoist_demo.report.formatting import number
-from hoist_demo.report.html.page import Bar, bars, paragraphs, plain_table, write_sheet
+from hoist_demo.report.html.page import Bar, bars, paragraphs, untitled_table, write_sheet
 from hoist_demo.report.rows import SummaryRow, in_display_unit, provenance_table, status_rows
 from hoist_demo.run.metrics import METRICS, UNITS, name_without_rope
 from hoist_demo.uncertainty.spread import QUANTILES, UNEXPLAINED, UncertaintyResult
@@ -108,13 +108,13 @@ def write_page(result: UncertaintyResult, path: Path) -> Path:
     title, rows = provenance_table(file.provenance())
     parts = [
         ("", paragraphs([wound, *remarks(result)])),
-        ("What the results may be", plain_table(head, results)),
+        ("What the results may be", untitled_table(head, results)),
         ("Which datum causes it", paragraphs([hint, *filter(None, [too_few(result)])]) + causes),
         (
             "What varies, evenly over its range, in logarithms where it does not begin at 0",
-            plain_table(("datum", "range", "unit", "status", "source"), data),
+            untitled_table(("datum", "range", "unit", "status", "source"), data),
         ),
-        (title, plain_table(("datum", "value", "unit", "status"), rows)),
+        (title, untitled_table(("datum", "value", "unit", "status"), rows)),
     ]
     return write_sheet(path, file.header.title, parts)
 

@@ -239,12 +239,15 @@ def _load_of_end(
     q: Array, reaction: Array, node: int, K: sp.csc_matrix, D: sp.csc_matrix, M: sp.csc_matrix
 ) -> _Outputs:
     """Return force and moment of the rope on the conveyance at an end."""
-    own = slice(NODE_DOF * node, NODE_DOF * (node + 1))
+    entries = slice(NODE_DOF * node, NODE_DOF * (node + 1))
     by_q, by_f, rest = (np.asarray(part) for part in _end_load()(q[node], reaction[node]))
-    here = sp.eye(q.size, format="csr")[own]
-    by_position = sp.csr_matrix(by_q @ here + by_f @ K[own])
+    here = sp.eye(q.size, format="csr")[entries]
+    by_position = sp.csr_matrix(by_q @ here + by_f @ K[entries])
     return _Outputs(
-        rest.ravel(), by_position, sp.csr_matrix(by_f @ D[own]), sp.csr_matrix(by_f @ M[own])
+        rest.ravel(),
+        by_position,
+        sp.csr_matrix(by_f @ D[entries]),
+        sp.csr_matrix(by_f @ M[entries]),
     )
 
 

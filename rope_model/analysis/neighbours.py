@@ -91,7 +91,7 @@ class Account(NamedTuple):
     energy: float = 0.0  #: energy stored now, J
     work: float = 0.0  #: work on both ropes, J
     dissipated: float = 0.0  #: energy dissipated, J
-    made: float = 0.0  #: energy that the steps created, J
+    created: float = 0.0  #: energy that the steps created, J
     largest: float = 0.0  #: largest work of a step, J
     approach: float = 0.0  #: approach of touching points in the last step, m
     missed: float = 0.0  #: worst relative error of the forces against the law
@@ -151,7 +151,7 @@ class Neighbours:
             require(model not in ("planar", "rigid"), "model.fidelity", model, bound, "set it so")
         self._origins = [np.array(origin) for origin in origins]
         self._method = Coefficients(scenes[0].solver.rho_inf)
-        self._least = 0.5 * scenes[0].rope.mass_per_length * SLOW**2
+        self._min_energy = 0.5 * scenes[0].rope.mass_per_length * SLOW**2
         self._pairs = {
             (i, j): Pair(scenes[i], scenes[j]) for i, j in combinations(range(len(scenes)), 2)
         }
@@ -190,8 +190,8 @@ class Neighbours:
 
     def _too_long(self, before: Contacts) -> bool:
         return any(
-            abs(account.made - before.accounts[key].made)
-            > CREATED_FRACTION * max(account.largest, self._least)
+            abs(account.created - before.accounts[key].created)
+            > CREATED_FRACTION * max(account.largest, self._min_energy)
             or account.approach > LEAP * self._pairs[key].diameter
             for key, account in self.contacts.accounts.items()
         )
@@ -228,11 +228,10 @@ class Neighbours:
             one = rows[i]
             other = rows[j]
             inset = (1.0 - grown) * self.contacts.insets[i, j]
-            law[i, j] = (
-                NO_CONTACTS
-                if one is None or other is None
-                else pair.find_contacts(one, other, c, inset)
-            )
+            if one is None or other is None:
+                law[i, j] = NO_CONTACTS
+            else:
+                law[i, j] = pair.find_contacts(one, other, c, inset)
         return law
 
     def _apply(self, t: float, h: float, partners: Sequence[Partner], end: Forces) -> None:
@@ -287,7 +286,7 @@ class Neighbours:
                 energy=contact.energy,
                 work=account.work + work,
                 dissipated=account.dissipated + spring_work - work,
-                made=account.made + spring_work + contact.energy - account.energy,
+                created=account.created + spring_work + contact.energy - account.energy,
                 largest=max(account.largest, abs(work)),
                 approach=approach,
                 missed=max(account.missed, missed if end[key].point_id.size else 0.0),
@@ -305,53 +304,54 @@ class _Iterate:
     ``forces`` contain the trial forces with the law's springs and tangents.
     """
 
-    def __init__(self, tried: Forces, law_forces: Forces) -> None:
+    def __init__(self, trial: Forces, law_forces: Forces) -> None:
         self._keys = [
-            key for key in tried if tried[key].point_id.size or law_forces[key].point_id.size
+            key for key in trial if trial[key].point_id.size or law_forces[key].point_id.size
         ]
         self.ropes = {k for key in self._keys for k in key}
-        parts = [(_union(tried[key], law_forces[key]), law_forces[key]) for key in self._keys]
-        self.forces = dict.fromkeys(tried, NO_CONTACTS) | dict(
+        parts = [(_union(trial[key], law_forces[key]), law_forces[key]) for key in self._keys]
+        self.forces = dict.fromkeys(trial, NO_CONTACTS) | dict(
             zip(self._keys, (x for x, _ in parts), strict=True)
         )
-        self._tried = _stacked([x.force for x, _ in parts])
+        self._trial = _stacked([x.force for x, _ in parts])
         # rows of each pair of ropes in `_tried`
-        own = np.split(np.arange(len(self._tried)), np.cumsum([x.point_id.size for x, _ in parts]))[
-            :-1
-        ]
-        self._own = dict(zip(self._keys, own, strict=True))
+        rows = np.split(
+            np.arange(len(self._trial)), np.cumsum([x.point_id.size for x, _ in parts])
+        )[:-1]
+        self._rows_by_pair = dict(zip(self._keys, rows, strict=True))
         law = _stacked([_spread(one, x.point_id, one.force) for x, one in parts])
-        self._missing = law - self._tried
-        largest = max(float(np.abs(x).sum()) for x in (law, self._tried))
+        self._missing = law - self._trial
+        largest = max(float(np.abs(x).sum()) for x in (law, self._trial))
         self.missed = float(np.abs(self._missing).sum()) / max(largest, SMALL_FORCE / TOLERANCE)
 
     def corrected(self, partners: Sequence[Partner]) -> Forces:
         """Return the forces of the next iteration."""
         K = np.concatenate([self.forces[key].tangent for key in self._keys])
         resisted = partial(np.einsum, "mij,mj->mi", K)
-        x = conjugate_gradients(lambda f: self._answer(partners, -f), resisted, -self._missing)
-        force = self._tried + self._missing - resisted(x)
+        x = conjugate_gradients(lambda f: self._response(partners, -f), resisted, -self._missing)
+        force = self._trial + self._missing - resisted(x)
         changed = {
-            key: self.forces[key]._replace(force=force[own]) for key, own in self._own.items()
+            key: self.forces[key]._replace(force=force[rows])
+            for key, rows in self._rows_by_pair.items()
         }
         return self.forces | changed
 
-    def _answer(self, partners: Sequence[Partner], force: Array) -> Array:
+    def _response(self, partners: Sequence[Partner], force: Array) -> Array:
         """Return the change of the points' separations by these forces."""
         moved = np.zeros_like(force)
         for k in sorted(self.ropes):
             mine = [key for key in self._keys if k in key]
             sense = np.concatenate(
-                [np.full(self._own[key].size, 1.0 - 2.0 * key.index(k)) for key in mine]
+                [np.full(self._rows_by_pair[key].size, 1.0 - 2.0 * key.index(k)) for key in mine]
             )
-            index = np.concatenate([self._own[key] for key in mine])
+            index = np.concatenate([self._rows_by_pair[key] for key in mine])
             s = np.concatenate([self.forces[key].s[key.index(k)] for key in mine])
             order = np.argsort(s, kind="stable")
             forces = sense[order, None] * force[index[order]]
             rope = partners[k].rope
             if rope is not None:
-                answer = rope.displacement(PointForces(s[order], forces, forces, 0.0, 1.0))
-                np.add.at(moved, index[order], sense[order, None] * answer)
+                response = rope.displacement(PointForces(s[order], forces, forces, 0.0, 1.0))
+                np.add.at(moved, index[order], sense[order, None] * response)
         return moved
 
 
@@ -374,15 +374,15 @@ def _along(force: Array) -> Array:
     return force / np.where(size > 0.0, size, 1.0)
 
 
-def _union(tried: PairContact, law: PairContact) -> PairContact:
-    """Return the forces ``tried`` at the points of both, at their latest s, with spring and tangent of the law."""
-    point_id = np.union1d(tried.point_id[np.any(tried.force != 0.0, axis=1)], law.point_id)
-    s = _spread(tried, point_id, tried.s.T)
+def _union(trial: PairContact, law: PairContact) -> PairContact:
+    """Return the ``trial`` forces at the points of both, at their latest s, with spring and tangent of the law."""
+    point_id = np.union1d(trial.point_id[np.any(trial.force != 0.0, axis=1)], law.point_id)
+    s = _spread(trial, point_id, trial.s.T)
     s[np.isin(point_id, law.point_id)] = law.s.T
     return law._replace(
         point_id=point_id,
         s=s.T,
-        force=_spread(tried, point_id, tried.force),
+        force=_spread(trial, point_id, trial.force),
         spring=_spread(law, point_id, law.spring),
         tangent=_spread(law, point_id, law.tangent),
     )

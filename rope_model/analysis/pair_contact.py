@@ -92,16 +92,17 @@ class Pair:
         if not near[0].size:
             return NO_CONTACTS
         number, s = self._touching(*self._nearest(one, other, *near), self.diameter - inset)
-        return (
-            self._law_at(number, s, one, other, c, self.diameter - inset)
-            if number.size
-            else NO_CONTACTS
-        )
+        if number.size:
+            return self._law_at(number, s, one, other, c, self.diameter - inset)
+        return NO_CONTACTS
 
     def inset(self, one: Rows, other: Rows) -> float:
         """Return the largest penetration depth (m)."""
         near = self._near(one, other)
-        distance = self._nearest(one, other, *near)[-1] if near[0].size else np.zeros(0)
+        if near[0].size:
+            distance = self._nearest(one, other, *near)[-1]
+        else:
+            distance = np.zeros(0)
         return max(self.diameter - float(distance.min(initial=self.diameter)), 0.0)
 
     def _near(self, one: Rows, other: Rows) -> tuple[Numbers, Numbers]:

@@ -48,14 +48,14 @@ class _Text(NamedTuple):
     """Text of an expression, and its precedence."""
 
     text: str
-    binds: int
+    precedence: int
     #: parts of elementary.where, a sum of two products: condition and value of the first
     condition: str = ""
     value: str = ""
 
-    def within(self, least: int) -> str:
-        """Return the text as an operand of an operator with the precedence ``least``."""
-        return self.text if self.binds >= least else f"({self.text})"
+    def within(self, outer: int) -> str:
+        """Return the text as an operand of an operator with the precedence ``outer``."""
+        return self.text if self.precedence >= outer else f"({self.text})"
 
 
 def texts_of(values: Sequence[Any]) -> tuple[list[str], list[str]]:
@@ -77,7 +77,7 @@ def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[st
     reciprocals: dict[str, _Text] = {}
     lines: list[str] = []
 
-    def named(text: str) -> _Text:
+    def named_text(text: str) -> _Text:
         lines.append(f"const {kind} t{len(lines)} = {text};")
         return _Text(f"t{len(lines) - 1}", _ATOM)
 
@@ -85,7 +85,7 @@ def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[st
         if is_number(x.text):
             return _Text(repr(1.0 / float(x.text)), _SIGN)
         if x.text not in reciprocals:
-            reciprocals[x.text] = named(f"1.0 / {x.within(_PRODUCT + 1)}")
+            reciprocals[x.text] = named_text(f"1.0 / {x.within(_PRODUCT + 1)}")
         return reciprocals[x.text]
 
     for k in range(f.n_instructions()):
@@ -97,7 +97,10 @@ def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[st
             continue
         if operation == ca.OP_CONST:
             value = f.instruction_constant(k)
-            text = "PI" if value == math.pi else _INFINITE.get(value, repr(value))
+            if value == math.pi:
+                text = "PI"
+            else:
+                text = _INFINITE.get(value, repr(value))
             expression = _Text(text, _SIGN if value < 0 else _ATOM)
         elif operation == ca.OP_INPUT:
             expression = _Text(inputs[sources[0]][sources[1]], _ATOM)
@@ -105,11 +108,10 @@ def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[st
             operands = [values[s] for s in sources]
             if kind == "Vec" and operation in (ca.OP_DIV, ca.OP_INV):
                 *above, below = operands
-                expression = (
-                    _expression(ca.OP_MUL, [*above, reciprocal(below)], kind)
-                    if above
-                    else reciprocal(below)
-                )
+                if above:
+                    expression = _expression(ca.OP_MUL, [*above, reciprocal(below)], kind)
+                else:
+                    expression = reciprocal(below)
             else:
                 expression = _expression(operation, operands, kind)
             if (
@@ -117,7 +119,7 @@ def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[st
                 and not expression.value
                 and operation != ca.OP_NOT
             ):
-                expression = named(expression.text)
+                expression = named_text(expression.text)
         values[target[0]] = expression
     return lines, [results[index] for index in sorted(results)]
 
@@ -148,10 +150,16 @@ def _expression(operation: int, operands: Sequence[_Text], kind: str) -> _Text:
     if operation == ca.OP_NEG:
         return _Text(f"-{operands[0].within(_ATOM)}", _SIGN)
     if operation in _CALLS:
-        name = _CALLS[operation] if kind == "double" else f"{_CALLS[operation].upper()}_{kind}"
+        if kind == "double":
+            name = _CALLS[operation]
+        else:
+            name = f"{_CALLS[operation].upper()}_{kind}"
         return _Text(f"{name}({', '.join(x.text for x in operands)})", _ATOM)
     if operation in (ca.OP_SQ, ca.OP_TWICE):
-        twice = _Text("2.0", _ATOM) if operation == ca.OP_TWICE else operands[0]
+        if operation == ca.OP_TWICE:
+            twice = _Text("2.0", _ATOM)
+        else:
+            twice = operands[0]
         operation = ca.OP_MUL
         operands = [twice, operands[0]]
     if operation == ca.OP_NOT:
@@ -166,6 +174,6 @@ def _expression(operation: int, operands: Sequence[_Text], kind: str) -> _Text:
         )
     if left.value and right.value and _opposite(left.condition, right.condition):
         return _Text(f"{left.condition} ? {left.value} : {right.value}", _CHOICE)
-    sign, binds = _OPERATORS[operation]
+    sign, precedence = _OPERATORS[operation]
     # the right side binds tighter, as it is computed first
-    return _Text(f"{left.within(binds)} {sign} {right.within(binds + 1)}", binds)
+    return _Text(f"{left.within(precedence)} {sign} {right.within(precedence + 1)}", precedence)

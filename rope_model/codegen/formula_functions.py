@@ -166,11 +166,9 @@ def symbols_of(argument: Argument) -> Any:
 
 
 def _array(name: str, shape: tuple[int, ...]) -> Any:
-    return (
-        ca.SX.sym(name)
-        if not shape
-        else tuple(_array(f"{name}[{k}]", shape[1:]) for k in range(shape[0]))
-    )
+    if not shape:
+        return ca.SX.sym(name)
+    return tuple(_array(f"{name}[{k}]", shape[1:]) for k in range(shape[0]))
 
 
 def structure_at(kind: type[Any], prefix: str) -> Any:
@@ -206,8 +204,8 @@ def _initializer(kind: type[Any], texts: list[str]) -> str:
     rest = iter(texts)
 
     def member(shape: tuple[int, ...]) -> str:
-        return (
-            f"{{{', '.join(member(shape[1:]) for _ in range(shape[0]))}}}" if shape else next(rest)
-        )
+        if shape:
+            return f"{{{', '.join(member(shape[1:]) for _ in range(shape[0]))}}}"
+        return next(rest)
 
     return f"{{{', '.join(member(shape_of(hint)) for hint in get_type_hints(kind).values())}}}"

@@ -29,12 +29,10 @@ _TYPES = {float: "double ", int: "int ", str: "const char *"}
 
 def texts() -> dict[str, Template]:
     """Return all texts by name."""
-    return {
-        name: text
-        for module in SPOKEN
-        for name, text in vars(module).items()
-        if isinstance(text, Template)
-    }
+    found: dict[str, Template] = {}
+    for module in SPOKEN:
+        found |= {name: text for name, text in vars(module).items() if isinstance(text, Template)}
+    return found
 
 
 def messages_code() -> str:
@@ -47,7 +45,10 @@ def _function(name: str, text: Template) -> str:
     form = ""
     values = ""
     for before, value, spec in text.parts:
-        conversion, argument = _conversion(value, spec, text.kinds[value]) if value else ("", "")
+        if value:
+            conversion, argument = _conversion(value, spec, text.kinds[value])
+        else:
+            conversion, argument = ("", "")
         form = f"{form}{before.replace('%', '%%')}{conversion}"
         values = f"{values}{argument}"
     return (

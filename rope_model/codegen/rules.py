@@ -36,12 +36,12 @@ from rope_model.rules.swivel_phases import SwivelState
 from rope_model.shaft_parameters import Shaft
 
 #: rules of each warning that numbers decide
-BY_NUMBERS = {
+NUMERIC_WARNINGS = {
     name: warning.args[0] for name, warning in WARNINGS.items() if isinstance(warning, partial)
 }
-BY_NUMBERS["extrapolation"] = warning_rules.LONG_EXTRAPOLATION
+NUMERIC_WARNINGS["extrapolation"] = warning_rules.LONG_EXTRAPOLATION
 #: tables by their name in C behind tell_: each returns whether a case applied
-TABLES: dict[str, Rules] = BY_NUMBERS | {
+TABLES: dict[str, Rules] = NUMERIC_WARNINGS | {
     "touching_legs": warning_rules.LEG_CONTACT,
     "torque_source": warning_rules.TORQUE_SOURCE,
     "inputs_of_end": warning_rules.INPUTS,
@@ -130,10 +130,10 @@ def state_signals() -> str:
 
 def _warnings() -> str:
     """Return the enum of the warnings' indices, and a function for those that are tables."""
-    names = ", ".join(name.upper() for name in WARNINGS | BY_NUMBERS)
+    names = ", ".join(name.upper() for name in WARNINGS | NUMERIC_WARNINGS)
     cases = "".join(
         f"    case {name.upper()}:\n        return tell_{name}(scene, state, message);\n"
-        for name in BY_NUMBERS
+        for name in NUMERIC_WARNINGS
     )
     head = "static inline int tell_by_numbers(int warning, const Scene *scene, const State *state, char *message)"
     body = f"    switch (warning) {{\n{cases}    default:\n        return 0;\n    }}\n"
@@ -148,11 +148,9 @@ def _fact(name: str) -> _Fact:
         return _Fact("const Pattern *pattern", _members_at(PatternStructure, "pattern->"))
     if name == "counts":
         return _Fact("const int counts[5]", _members_at(c_int * 5, "counts"))
-    return (
-        _Fact("int fidelity", Word(name, name))
-        if name == "fidelity"
-        else _Fact(f"double {name}", ca.SX.sym(name))
-    )
+    if name == "fidelity":
+        return _Fact("int fidelity", Word(name, name))
+    return _Fact(f"double {name}", ca.SX.sym(name))
 
 
 def _symbols(kind: type[Any], prefix: str) -> Any:

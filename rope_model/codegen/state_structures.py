@@ -82,10 +82,18 @@ class EventStructure(Structure):
 
 
 _HINTS = get_type_hints(RopeState)
-_OTHERS = ("motion", "partition", "fidelity", "fidelity_reason", "events", "powers", "hysteresis")
+_CONVERTED = (
+    "motion",
+    "partition",
+    "fidelity",
+    "fidelity_reason",
+    "events",
+    "powers",
+    "hysteresis",
+)
 _REAL = tuple(name for name, hint in _HINTS.items() if hint in (float, tuple[float, float]))
 #: members of RopeState with the same name here
-ALIKE = tuple(name for name in RopeState._fields if name not in _OTHERS)
+SAME_NAMED = tuple(name for name in RopeState._fields if name not in _CONVERTED)
 
 
 class StateStructure(Structure):
@@ -102,7 +110,7 @@ class StateStructure(Structure):
         ("power_ends", c_double),
         ("power_swivel", c_double),
         ("switchings", c_double * CHATTER_EVENTS),
-        *((name, _type_of(_HINTS[name])) for name in ALIKE if name not in (*_REAL, "counts")),
+        *((name, _type_of(_HINTS[name])) for name in SAME_NAMED if name not in (*_REAL, "counts")),
         ("counts", _type_of(Counts)),
         ("pattern", PatternStructure),
         ("events", EventStructure * LOGGED_EVENTS),

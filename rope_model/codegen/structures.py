@@ -14,7 +14,7 @@ from rope_model.rules.end_paths import EndMotion
 from rope_model.shaft_parameters import PARTS, Shaft
 
 #: cache of the parameters' types by data class
-_KNOWN: dict[Any, dict[str, Any]] = {}
+_HINTS_BY_TYPE: dict[Any, dict[str, Any]] = {}
 
 
 class Member(NamedTuple):
@@ -37,9 +37,9 @@ def members(kind: type[Any]) -> tuple[Member, ...]:
 
 def _hints(kind: type[Any]) -> dict[str, Any]:
     """Return the types of the parameters by name."""
-    if kind not in _KNOWN:
-        _KNOWN[kind] = get_type_hints(kind)
-    return _KNOWN[kind]
+    if kind not in _HINTS_BY_TYPE:
+        _HINTS_BY_TYPE[kind] = get_type_hints(kind)
+    return _HINTS_BY_TYPE[kind]
 
 
 def _structure(kind: type[Any]) -> type[ctypes.Structure]:
@@ -58,7 +58,7 @@ class ShaftStructure(ctypes.Structure):
     _fields_ = tuple((name, GROUPS[kind]) for name, kind in PARTS.items())
 
 
-_OF_SCENE: dict[Any, Any] = {**GROUPS, Shaft: ShaftStructure, Swivel: GROUPS[Swivel] * 2}
+_SCENE_TYPES: dict[Any, Any] = {**GROUPS, Shaft: ShaftStructure, Swivel: GROUPS[Swivel] * 2}
 _NAMES = {
     "left": "swivels",
     "right": "swivels",
@@ -70,7 +70,7 @@ class SceneStructure(ctypes.Structure):
 
     _fields_ = tuple(
         {
-            _NAMES.get(name, name): _OF_SCENE[of] for name, of in get_type_hints(Scene).items()
+            _NAMES.get(name, name): _SCENE_TYPES[of] for name, of in get_type_hints(Scene).items()
         }.items()
     )
 

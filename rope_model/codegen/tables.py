@@ -116,11 +116,10 @@ def _codes(name: str, words: tuple[str, ...]) -> str:
 
 def code_name(name: str, word: str) -> str:
     """Return the name in C of the code of a ``word`` of the choice ``name``."""
-    suffix = (
-        f"_{_SPELT.get(name, name.upper())}"
-        if word == "auto" or name in ("given", "mode", "start")
-        else ""
-    )
+    if word == "auto" or name in ("given", "mode", "start"):
+        suffix = f"_{_SPELT.get(name, name.upper())}"
+    else:
+        suffix = ""
     return word.upper() + suffix
 
 
@@ -210,7 +209,10 @@ def _cross_check(kind: type[Any], check: CrossCheck) -> str:
         ]
         value_text = "given"
     if placeholder := re.search(r"\{(?::\.(\d)g|!r)\}", check.bound):
-        text = f"ROUNDED({numbers[-1]}, {placeholder[1]})" if placeholder[1] else written[-1]
+        if placeholder[1]:
+            text = f"ROUNDED({numbers[-1]}, {placeholder[1]})"
+        else:
+            text = written[-1]
         before = c_string(check.bound[: placeholder.start()])
         behind = c_string(check.bound[placeholder.end() :])
         bound = f"JOINED({before}, {text}, {behind})"
@@ -230,13 +232,9 @@ def _range(name: str, p: Parameter, real: bool) -> str:
     """Return the check of one parameter; a bound is a number, another parameter or none."""
 
     def limit(bound: float | str | None, without: str) -> str:
-        return (
-            f"x->{bound}"
-            if isinstance(bound, str)
-            else without
-            if bound is None
-            else repr(float(bound))
-        )
+        if isinstance(bound, str):
+            return f"x->{bound}"
+        return without if bound is None else repr(float(bound))
 
     limits = f"{limit(p.lower, '-INFINITY')}, {limit(p.upper, 'INFINITY')}"
     before, _, behind = p.bound.partition("{}")

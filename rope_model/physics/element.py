@@ -86,7 +86,7 @@ def parameters(rope: Rope, gravity: Scalar) -> ElementParameters:
     return ElementParameters(*elastic, *damping, rope.Qe, rope.Qd / 12 * torsional_slowness(rope))
 
 
-def named(P: ca.SX) -> ElementParameters:
+def parameters_from(P: ca.SX) -> ElementParameters:
     """Return the entries of P by name."""
     return ElementParameters._make(ca.vertsplit(P))
 
@@ -181,7 +181,7 @@ def element_functions(
         x[dofs] = symbol
     l = ca.SX.sym("l")
     P = ca.SX.sym("P", len(PARAMETERS))
-    p = named(P)
+    p = parameters_from(P)
     F = ca.SX.sym("F", FRAME_SIZE if torsional else 0)
     cq = ca.SX.sym("cq")
     cv = ca.SX.sym("cv")
@@ -286,14 +286,17 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     tau, tau_t, torque, elastic, shift = (
         ca.SX.sym(name) for name in ("tau", "tau_t", "torque", "elastic", "shift")
     )
-    p = named(P)
+    p = parameters_from(P)
 
     # strains, and the spin of the section
     d = z[0:3]
     c = z[3:6]
     turning = frame_rate(F[:3], F[3:], d, c) if torsional else ca.SX(0)
     strain = ca.vertcat(ca.norm_2(d) - 1, turning, ca.cross(d, c) / ca.dot(d, d))
-    w = z_t[6] + frame_rate(F[:3], ca.SX.zeros(3), d, z_t[0:3]) if torsional else ca.SX(0)
+    if torsional:
+        w = z_t[6] + frame_rate(F[:3], ca.SX.zeros(3), d, z_t[0:3])
+    else:
+        w = ca.SX(0)
 
     # strain rates; that of the curvature as seen from the section
     spin = ca.cross(d, z_t[0:3]) / ca.dot(d, d) + w * d / ca.norm_2(d)
@@ -372,7 +375,7 @@ def symmetric(A: ca.SX) -> ca.SX:
 
 def _energies(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[Any, Any, Any]:
     """Return U, D and the non-conservative power per reference length, from the strains (e, tau, k) and their rates."""
-    p = named(P)
+    p = parameters_from(P)
 
     def quadratic(x: ca.SX) -> Scalar:
         return costello.strain_energy(p.Qa, p.Qs, p.Qd, x[0], x[1]) + 0.5 * p.EI * ca.dot(
@@ -437,7 +440,7 @@ def _translational_mass(l: ca.SX, P: ca.SX) -> ca.SX:
         for m in range(4):
             for n in range(4):
                 M[dofs[m], dofs[n]] = (
-                    named(P).rho * (PRODUCTS[m][n] / 420) * l ** (1 + m % 2 + n % 2)
+                    parameters_from(P).rho * (PRODUCTS[m][n] / 420) * l ** (1 + m % 2 + n % 2)
                 )
     return M
 
@@ -452,7 +455,7 @@ def _momentum(q: ca.SX, v: ca.SX, mass: ca.SX, l: ca.SX, P: ca.SX) -> ca.SX:
     left, right = (d / ca.norm_2(d) for d in (q[3:6], q[10:13]))
     w1 = v[6]
     w2 = v[13]
-    p = named(P)
+    p = parameters_from(P)
     angular += p.rhoJ * l / 6 * ((2 * w1 + w2) * left + (w1 + 2 * w2) * right)
     angular += p.rhoJ_x * l * (w2 - w1) * (right - left)
     return ca.vertcat(u[0:3] + u[7:10], angular, s[0:3] + s[7:10])
@@ -461,6 +464,6 @@ def _momentum(q: ca.SX, v: ca.SX, mass: ca.SX, l: ca.SX, P: ca.SX) -> ca.SX:
 def _weight(l: ca.SX, P: ca.SX) -> ca.SX:
     """Return the work-equivalent weight (14,), N and N m."""
     f = ca.SX(14, 1)
-    p = named(P)
+    p = parameters_from(P)
     f[1], f[4], f[8], f[11] = (-p.rho * p.g * s for s in (l / 2, l**2 / 12, l / 2, -(l**2) / 12))
     return f

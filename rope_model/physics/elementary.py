@@ -31,12 +31,16 @@ def sqrt(x: Scalar) -> Any:
 
 def ceil(x: Scalar) -> Any:
     """Return the smallest whole number that is not below ``x``."""
-    return float(math.ceil(x)) if isinstance(x, _NUMBER) else _library(x).ceil(x)
+    if isinstance(x, _NUMBER):
+        return float(math.ceil(x))
+    return _library(x).ceil(x)
 
 
 def floor(x: Scalar) -> Any:
     """Return the largest whole number that is not above ``x``."""
-    return float(math.floor(x)) if isinstance(x, _NUMBER) else _library(x).floor(x)
+    if isinstance(x, _NUMBER):
+        return float(math.floor(x))
+    return _library(x).floor(x)
 
 
 def nearest_whole(x: Scalar) -> Any:
@@ -76,17 +80,23 @@ def hypot(x: Scalar, y: Scalar) -> Any:
 
 def atan2(y: Scalar, x: Scalar) -> Any:
     """Return the angle (rad) of the vector (x, y)."""
-    return np.arctan2(y, x) if isinstance(y, np.ndarray) else _library(y).atan2(y, x)
+    if isinstance(y, np.ndarray):
+        return np.arctan2(y, x)
+    return _library(y).atan2(y, x)
 
 
 def maximum(x: Scalar, y: Scalar) -> Any:
     """Return the larger number; ``x`` where they are equal."""
-    return max(x, y) if isinstance(x, _NUMBER) else _library(x).fmax(x, y)
+    if isinstance(x, _NUMBER):
+        return max(x, y)
+    return _library(x).fmax(x, y)
 
 
 def minimum(x: Scalar, y: Scalar) -> Any:
     """Return the smaller number; ``x`` where they are equal."""
-    return min(x, y) if isinstance(x, _NUMBER) else _library(x).fmin(x, y)
+    if isinstance(x, _NUMBER):
+        return min(x, y)
+    return _library(x).fmin(x, y)
 
 
 def where(condition: Scalar, x: Scalar, y: Scalar) -> Any:
@@ -102,26 +112,32 @@ def where(condition: Scalar, x: Scalar, y: Scalar) -> Any:
 
 def logical_and(*conditions: Scalar) -> Any:
     """Return whether all of the conditions hold; all are computed."""
-    return (
-        reduce(ca.logic_and, map(ca.SX, conditions)) if _symbolic(conditions) else all(conditions)
-    )
+    if _symbolic(conditions):
+        return reduce(ca.logic_and, map(ca.SX, conditions))
+    return all(conditions)
 
 
 def logical_or(*conditions: Scalar) -> Any:
     """Return whether one of the conditions holds; all are computed."""
-    return reduce(ca.logic_or, map(ca.SX, conditions)) if _symbolic(conditions) else any(conditions)
+    if _symbolic(conditions):
+        return reduce(ca.logic_or, map(ca.SX, conditions))
+    return any(conditions)
 
 
 def less(x: Scalar, y: Scalar) -> Any:
     """Return 1 where ``x`` is less than ``y``, else 0."""
-    return float(x < y) if isinstance(x, float) and isinstance(y, float) else x < y
+    if isinstance(x, float) and isinstance(y, float):
+        return float(x < y)
+    return x < y
 
 
 def unit_sign(x: Scalar) -> Any:
     """Return 1 with the sign of ``x``."""
     if isinstance(x, float):
         return math.copysign(1.0, x)
-    return np.copysign(1.0, x) if isinstance(x, np.ndarray) else ca.copysign(1.0, x)
+    if isinstance(x, np.ndarray):
+        return np.copysign(1.0, x)
+    return ca.copysign(1.0, x)
 
 
 def sum_of(terms: Iterable[Scalar], start: Scalar = 0.0) -> Any:

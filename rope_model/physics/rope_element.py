@@ -27,7 +27,9 @@ def rope_element(fidelity: ElementFidelity, features: Features = ()) -> ElementF
     if AIR in features:
         functions = air_element(fidelity, functions)
     touched = kinds_touched(features)
-    return contact_element(fidelity, functions, touched) if touched else functions
+    if touched:
+        return contact_element(fidelity, functions, touched)
+    return functions
 
 
 def kinds_touched(features: Features) -> Features:

@@ -35,8 +35,12 @@ from rope_model.physics.wire_friction import (
 
 #: number of entries of an element: state of its points, k0 and C
 HISTORY_SIZE = POINT_STATE_SIZE * len(element.POINTS) + 2
-_OF_POINT = 12  #: number of entries of a point's latest tangent: k, z and the upper half of dz/dk
-TANGENT_SIZE = _OF_POINT * len(element.POINTS)  #: number of entries of an element's latest tangents
+_POINT_TANGENT_SIZE = (
+    12  #: number of entries of a point's latest tangent: k, z and the upper half of dz/dk
+)
+TANGENT_SIZE = _POINT_TANGENT_SIZE * len(
+    element.POINTS
+)  #: number of entries of an element's latest tangents
 
 
 class WireFunctions(NamedTuple):
@@ -78,7 +82,11 @@ def wire_functions(fidelity: element.ElementFidelity) -> WireFunctions:
     energy = ca.SX(0)
     latest_tangents = []
     for xi, weight, before, last in zip(
-        element.POINTS, element.WEIGHTS, points, ca.vertsplit(latest, _OF_POINT), strict=True
+        element.POINTS,
+        element.WEIGHTS,
+        points,
+        ca.vertsplit(latest, _POINT_TANGENT_SIZE),
+        strict=True,
     ):
         B = element.interpolation(xi, l)
         force, stiffness, square, tangent_numbers = point(B @ relative @ q, before, k0, last)
@@ -103,7 +111,7 @@ def _point_function() -> ca.Function:
     at_t = ca.SX.sym("at_t", 7)
     before = ca.SX.sym("before", POINT_STATE_SIZE)
     k0 = ca.SX.sym("k0")
-    latest = ca.SX.sym("latest", _OF_POINT)
+    latest = ca.SX.sym("latest", _POINT_TANGENT_SIZE)
     d = at[0:3]
     c = at[3:6]
     k = ca.cross(d, c) / ca.dot(d, d)
@@ -118,7 +126,7 @@ def _point_function() -> ca.Function:
     z: Any = ca.vertcat(*step.z)
     slope = ca.jacobian(z, curvature)
     # prediction by the latest tangent
-    old_curvature, old_z, upper = ca.vertsplit(latest, [0, 3, 6, _OF_POINT])
+    old_curvature, old_z, upper = ca.vertsplit(latest, [0, 3, 6, _POINT_TANGENT_SIZE])
     old_slope: Any = ca.vertcat(upper[[0, 1, 2]].T, upper[[1, 3, 4]].T, upper[[2, 4, 5]].T)
     predicted = old_z + old_slope @ (curvature - old_curvature)
     trust = within(ca.dot(predicted, z) / (ca.dot(z, z) + REGULARIZATION * k0 * k0))

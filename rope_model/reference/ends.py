@@ -79,8 +79,8 @@ def onwards(path: EndPath, t: float, motion: EndMotion, age: float) -> EndPath:
     return EndPath(path.stop, t, _TO_POWERS @ np.vstack((units * first, units * last)))
 
 
-def refusal(motion: EndMotion, side: str) -> str:
-    """Return '' if an end can be there; else value, bound and cure."""
+def refusal(motion: EndMotion, side: str) -> str | None:
+    """Return None if an end can be there; else value, bound and cure."""
     for name, bound in MOTION_BOUNDS.items():
         value = getattr(motion, name)
         if not math.isfinite(value) or abs(value) > bound:
@@ -92,7 +92,7 @@ def refusal(motion: EndMotion, side: str) -> str:
                 f"{side}.{name} = {value:g} rad must be 0: the reference rope knows plumb ends "
                 "only; take the engine, balance_rope(scene)"
             )
-    return ""
+    return None
 
 
 def peak_acceleration(path: EndPath) -> float:

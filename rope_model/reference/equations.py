@@ -167,9 +167,9 @@ class Equations:
         """Return energies (J) and powers (W) of the whole rope by the names of element.BALANCE."""
         parts = of_elements(q), of_elements(v), self.lengths[None, :], self.frame, self.material
         sums = element.element_functions().balance(*parts).full().sum(axis=1)
-        named = dict(zip(BALANCE, sums.tolist(), strict=True))
-        named["kinetic"] += 0.5 * float(np.sum(self.inertia * v * v))
-        return named
+        sum_by_name = dict(zip(BALANCE, sums.tolist(), strict=True))
+        sum_by_name["kinetic"] += 0.5 * float(np.sum(self.inertia * v * v))
+        return sum_by_name
 
     def strains(self, q: Array, v: Array) -> Array:
         """Return the strains of the elements (5, elements): element.STRAINS."""

@@ -20,7 +20,7 @@ import numpy as np
 
 from rope_model.arrays import Array
 from rope_model.reference.equations import Equations
-from rope_model.reference.newton import Cause, solve
+from rope_model.reference.newton import Cause, Guess, solve
 
 #: growth of the step above which the acceleration's rate over the shorter step is mostly noise, and
 #: is not used
@@ -109,7 +109,7 @@ def step(
 
     of_v = gamma / (beta * h)
     of_a = (1 - alpha_m) / (beta * h * h * (1 - alpha_f))
-    found = solve(equations, q, v, a, (1.0, of_v, of_a), tolerance, prestress=old.q)
+    found = solve(equations, Guess(q, v, a), (1.0, of_v, of_a), tolerance, prestress=old.q)
     if found.cause is not None:
         return Step(None, found.corrections, found.cause)
     a_rate = (found.a - old.a) / h

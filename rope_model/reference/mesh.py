@@ -90,9 +90,9 @@ def mesh_of(scene: Scene, bottom_s: float) -> Mesh:
             f"{length:g} m: shorten mesh.coarse_length or lower the element counts"
         )
     coarse = length / (outer + inner)
-    least = int(min_outer(given.counts))
+    min_elements = int(min_outer(given.counts))
     first = int(nearest_whole(bottom_s / coarse - 0.5 * inner))
-    first = min(max(first, least), outer - least)
+    first = min(max(first, min_elements), outer - min_elements)
     counts = (first, *given.counts, outer - first)
     pattern = Mesh(np.empty(0), coarse, counts, given.end_levels, given.grading_length)
     return replace(pattern, lengths=coarse * np.diff(_nodes(pattern)))

@@ -8,6 +8,7 @@ with each.
 
 from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,6 +41,14 @@ class Failure:
     h: float  #: s, its length
 
 
+class Guess(NamedTuple):
+    """Configuration from which the solution is sought, each (nodes, 7)."""
+
+    q: Array
+    v: Array
+    a: Array
+
+
 @dataclass(frozen=True)
 class Solution:
     """Configuration with R = 0 where the rope is free; ``cause`` is None if there is one."""
@@ -54,18 +63,17 @@ class Solution:
 
 def solve(
     equations: Equations,
-    q: Array,
-    v: Array,
-    a: Array,
+    guess: Guess,
     c: tuple[float, float, float],
     tolerance: float,
     prestress: Array,
 ) -> Solution:
-    """Return the solution near q, v, a, up to a last correction of ``tolerance`` (m and rad).
+    """Return the solution near ``guess``, up to a last correction of ``tolerance`` (m and rad).
 
     The first guess may overstretch the rope: the first tangent takes its axial strains from
     ``prestress``.
     """
+    q, v, a = guess
     factors: Factors | None = None
     before = np.inf
     with np.errstate(all="ignore"):  # a correction that is not finite ends the search

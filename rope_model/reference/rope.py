@@ -38,7 +38,7 @@ from rope_model.rules.state import RopeState
 
 SHORTEST_ADVANCE = 1e-9  #: s, a shorter one succeeds without a step
 MAX_STEPS = 20_000  #: of an advance, rejected ones included
-OTHERS = "take the engine, balance_rope(scene)"
+CURE = "take the engine, balance_rope(scene)"
 
 
 class ReferenceRope(BalanceRope):
@@ -67,7 +67,9 @@ class ReferenceRope(BalanceRope):
     @property
     def elements(self) -> int:
         """Number of elements while no end of the rope cuts off the pattern."""
-        return self._elements if self._state is None else self._state.mesh.lengths.size
+        if self._state is None:
+            return self._elements
+        return self._state.mesh.lengths.size
 
     @property
     def time(self) -> float:
@@ -89,7 +91,8 @@ class ReferenceRope(BalanceRope):
 
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
         for side, motion in zip(SIDES, (left, right), strict=True):
-            if message := refusal(motion, side):
+            message = refusal(motion, side)
+            if message is not None:
                 return Status(False, message)
             speed = max(map(abs, (*motion.velocity, motion.yaw_rate)))
             if speed > RESTS_BELOW:
@@ -124,10 +127,11 @@ class ReferenceRope(BalanceRope):
             )
         paths = []
         for side, path, motion in zip(SIDES, before.paths, (left, right), strict=True):
-            if message := refusal(motion, side):
+            message = refusal(motion, side)
+            if message is not None:
                 return Status(False, message)
-            ahead = onwards(path, t, motion, age)
-            peak = peak_acceleration(ahead)
+            following_path = onwards(path, t, motion, age)
+            peak = peak_acceleration(following_path)
             if not peak <= scene.inputs.acceleration_max:
                 return Status(
                     False,
@@ -135,20 +139,22 @@ class ReferenceRope(BalanceRope):
                     f"inputs.acceleration_max = {scene.inputs.acceleration_max:g}: give positions, "
                     "speeds and accelerations of one motion",
                 )
-            paths.append(ahead)
+            paths.append(following_path)
         state = replace(before, paths=(paths[0], paths[1]), events=())
         impulse = np.zeros(2)
         for _ in range(MAX_STEPS):
             after = step_towards(scene, state, t)
             if isinstance(after, Failure):
-                return Status(False, told(after))
+                return Status(False, failure_message(after))
             h = after.motion.t - state.motion.t
             impulse -= 0.5 * h * (_pulls(state) + _pulls(after))
             state = after
             if state.motion.t >= t:
                 break
         else:
-            return Status(False, told(Failure(Cause.STEPS, state.motion.t, state.step_next)))
+            return Status(
+                False, failure_message(Failure(Cause.STEPS, state.motion.t, state.step_next))
+            )
         mean = impulse / (t - start)
         self._state = replace(state, force_mean=(float(mean[0]), float(mean[1])))
         return Status(True)
@@ -159,21 +165,21 @@ class ReferenceRope(BalanceRope):
         for name in wanted:
             group = group_of(name)
             if group is None:
-                raise ValueError(f"the reference rope does not compute {name}: {OTHERS}")
+                raise ValueError(f"the reference rope does not compute {name}: {CURE}")
             if name not in values:
                 values |= group(self._scene, self.state)
         return {name: values[name] for name in wanted}
 
     def apply(self, forces: PointForces) -> None:
         if forces.s.size:
-            raise ValueError(f"the reference rope takes no point forces: {OTHERS}")
+            raise ValueError(f"the reference rope takes no point forces: {CURE}")
 
     def rows(self) -> NDArray[np.float64]:
         m = self.state.motion
         return np.column_stack((self.state.mesh.nodes_s, m.q[:, :6], m.v[:, :6]))
 
     def displacement(self, forces: PointForces) -> NDArray[np.float64]:
-        raise ValueError(f"the reference rope takes no point forces: {OTHERS}")
+        raise ValueError(f"the reference rope takes no point forces: {CURE}")
 
     def warnings(self) -> dict[str, str]:
         return {}
@@ -203,7 +209,7 @@ class ReferenceRope(BalanceRope):
         self._scene = scene
 
 
-def told(failure: Failure) -> str:
+def failure_message(failure: Failure) -> str:
     """Return cause and cure of a failed step."""
     cause = failure.cause.value
     return (
@@ -218,4 +224,4 @@ def _pulls(state: State) -> NDArray[np.float64]:
 
 
 def _no_engine_state(kept: object) -> RopeState:
-    raise ValueError(f"a state of the reference rope is none of the engine: {OTHERS}")
+    raise ValueError(f"a state of the reference rope is none of the engine: {CURE}")

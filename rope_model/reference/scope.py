@@ -38,12 +38,13 @@ NO_BODIES: dict[str, tuple[float, ...]] = {
 
 def require_published(scene: Scene) -> None:
     """Raise ValueError if the scene holds more than the published system."""
-    if text := unpublished(scene):
+    text = unpublished(scene)
+    if text is not None:
         raise ValueError(f"{text}: take the engine, balance_rope(scene)")
 
 
-def unpublished(scene: Scene) -> str:
-    """Return '' for a scene of the published system; else the first value that is none of it."""
+def unpublished(scene: Scene) -> str | None:
+    """Return None for a scene of the published system; else the first value that is none of it."""
     allowed = dict(PUBLISHED)
     if scene.shaft.contact.stiffness > 0:
         allowed |= NO_BODIES
@@ -51,10 +52,13 @@ def unpublished(scene: Scene) -> str:
         values = allowed.get(parameter.name, (parameter.value,))
         if parameter.value not in values:
             words = choices_of(parameter.name)
-            value = words[int(parameter.value)] if words else f"{parameter.value:g}"
+            if words:
+                value = words[int(parameter.value)]
+            else:
+                value = f"{parameter.value:g}"
             bound = " or ".join(words[int(x)] if words else f"{x:g}" for x in values)
             return (
                 f"{parameter.name} = {value} must be {bound} for the reference rope, which knows "
                 "the published system only"
             )
-    return ""
+    return None

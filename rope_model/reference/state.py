@@ -96,13 +96,13 @@ class State:
 
     def to_bytes(self) -> bytes:
         """Return the state as JSON, whose numbers keep their bits."""
-        return json.dumps(_plain(self)).encode()
+        return json.dumps(_to_json(self)).encode()
 
     @staticmethod
     def from_bytes(data: bytes) -> State:
         """Return the state that ``to_bytes`` wrote; ValueError for anything else."""
         try:
-            state = _rebuilt(State, json.loads(data))
+            state = _from_json(State, json.loads(data))
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise ValueError(
                 f"these {len(data)} bytes are no state of the reference rope ({error})"
@@ -118,18 +118,18 @@ def _with_more_angle(x: Array, more: Array) -> Array:
 
 
 #: what JSON has
-Plain: TypeAlias = "float | str | list[Plain] | dict[str, Plain]"
+JsonValue: TypeAlias = "float | str | list[JsonValue] | dict[str, JsonValue]"
 
 
-def _plain(x: object) -> Plain:
+def _to_json(x: object) -> JsonValue:
     """Return a record, an array, a choice or a number for JSON."""
     if isinstance(x, np.ndarray):
-        values: list[Plain] = x.tolist()
+        values: list[JsonValue] = x.tolist()
         return values
     if is_dataclass(x):
-        return {field.name: _plain(getattr(x, field.name)) for field in fields(x)}
+        return {field.name: _to_json(getattr(x, field.name)) for field in fields(x)}
     if isinstance(x, tuple):
-        return [_plain(part) for part in x]
+        return [_to_json(part) for part in x]
     if isinstance(x, Enum):
         return int(x.value)
     if isinstance(x, float | int | str):
@@ -137,17 +137,17 @@ def _plain(x: object) -> Plain:
     raise TypeError(f"a {type(x).__name__} has no place in a state")
 
 
-def _rebuilt(kind: type, plain: Plain) -> object:
-    """Return the value of this ``kind`` that became ``plain``."""
-    if isinstance(plain, dict):
+def _from_json(kind: type, content: JsonValue) -> object:
+    """Return the value of this ``kind`` that ``_to_json`` made ``content`` of."""
+    if isinstance(content, dict):
         hints = get_type_hints(kind)
-        return kind(**{name: _rebuilt(hints[name], value) for name, value in plain.items()})
+        return kind(**{name: _from_json(hints[name], value) for name, value in content.items()})
     if get_origin(kind) is np.ndarray:
-        return np.array(plain, dtype=np.float64)
-    if isinstance(plain, list) and hasattr(kind, "_fields"):
+        return np.array(content, dtype=np.float64)
+    if isinstance(content, list) and hasattr(kind, "_fields"):
         parts = list(get_type_hints(kind).values())
-        return kind(*(_rebuilt(part, x) for part, x in zip(parts, plain, strict=True)))
-    if isinstance(plain, list):
+        return kind(*(_from_json(part, x) for part, x in zip(parts, content, strict=True)))
+    if isinstance(content, list):
         part = get_args(kind)[0]
-        return tuple(_rebuilt(part, x) for x in plain)
-    return kind(plain)
+        return tuple(_from_json(part, x) for x in content)
+    return kind(content)

@@ -70,7 +70,7 @@ def step_towards(scene: Scene, state: State, t_end: float) -> State | Failure:
     new = accepted.new
     if accepted.reaches_stop:
         new = replace(new, t=stop)  # exactly, not up to rounding
-    then = next_step(
+    following = next_step(
         solver=scene.solver,
         h=accepted.h,
         step_next=min(accepted.before.step_next, scene.solver.step_max),
@@ -83,8 +83,8 @@ def step_towards(scene: Scene, state: State, t_end: float) -> State | Failure:
         accepted.before,
         motion=new,
         energies=after_step(state.energies, equations, ends, old, new),
-        step_next=float(then.length),
-        calm_since=float(then.calm_since),
+        step_next=float(following.length),
+        calm_since=float(following.calm_since),
     )
     after = after.with_angles(equations).counted(steps=1)
     after = replace(after, loop_yaw=nearest_turn(yaw_of(after.motion.q), after.loop_yaw))
@@ -165,7 +165,9 @@ def _released_swivel(scene: Scene, state: State, side: int) -> SwivelState:
     present = state.swivels[side]
     if state.motion.t < released_at(swivel, present):
         return present
-    return slip(present.angle, -1.0) if frictionless(swivel) else stick(present.angle)
+    if frictionless(swivel):
+        return slip(present.angle, -1.0)
+    return stick(present.angle)
 
 
 def _next_release(scene: Scene, state: State) -> float:

@@ -17,7 +17,7 @@ import numpy as np
 from rope_model.parameters import Scene
 from rope_model.reference.energies import with_energies
 from rope_model.reference.mesh import transformed
-from rope_model.reference.newton import Cause, Failure, solve
+from rope_model.reference.newton import Cause, Failure, Guess, solve
 from rope_model.reference.state import Event, State
 from rope_model.reference.transfer import transferred
 
@@ -39,11 +39,12 @@ def with_mesh_for(scene: Scene, state: State, t: float) -> State | Failure:
     moved = replace(state, mesh=mesh, motion=motion)
 
     equations = moved.equations(scene)
+    guess = Guess(motion.q, motion.v, motion.a)
     time = RELAXATION_TIME
     while True:
         c = (1.0, 0.0, time**-2)
         tolerance = scene.solver.newton_tolerance
-        found = solve(equations, motion.q, motion.v, motion.a, c, tolerance, motion.q)
+        found = solve(equations, guess, c, tolerance, prestress=motion.q)
         if found.cause is None:
             break
         if time <= scene.solver.step_min:

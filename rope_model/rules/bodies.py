@@ -84,13 +84,13 @@ def _in_lining(
     shaft = scene.shaft
     lining = scene.shaft.lining
     diameter = scene.rope.diameter
-    least = _least_distance(scene, left, right, physics.lining(lining))
+    distance = _least_distance(scene, left, right, physics.lining(lining))
     # ends are accepted while their centre line is free
-    beyond = logical_or(least < 0, minimum(lining.width, lining.depth) < diameter)
+    beyond = logical_or(distance < 0, minimum(lining.width, lining.depth) < diameter)
     applies = logical_and(
         fidelity != "rigid", shaft.contact.stiffness > 0, lining.width > 0, beyond
     )
-    return applies, 0.5 * diameter - least, lining.width, lining.depth, lining.x, lining.z
+    return applies, 0.5 * diameter - distance, lining.width, lining.depth, lining.x, lining.z
 
 
 def _below_floor(
@@ -98,10 +98,10 @@ def _below_floor(
 ) -> tuple[Scalar, ...]:
     shaft = scene.shaft
     level = scene.shaft.sump.level
-    least = _least_distance(scene, left, right, physics.floor(shaft.sump))
+    distance = _least_distance(scene, left, right, physics.floor(shaft.sump))
     return (
-        logical_and(fidelity != "rigid", shaft.contact.stiffness > 0, level > -FAR, least < 0),
-        -least,
+        logical_and(fidelity != "rigid", shaft.contact.stiffness > 0, level > -FAR, distance < 0),
+        -distance,
         level,
     )
 

@@ -57,21 +57,21 @@ def clamp_axis(lean: Vector, lean_z: Vector) -> tuple[tuple[Scalar, ...], ...]:
 
 
 def partly_placed(
-    scene: Scene, own: EndMotion, other: EndMotion, sense: Scalar, fraction: Scalar
+    scene: Scene, end: EndMotion, other_end: EndMotion, sense: Scalar, fraction: Scalar
 ) -> EndMotion:
-    """Return the end ``own`` on its way from a rope hung in a loop (0) to its position and lean (1)."""
-    x = other.x - own.x - sense * scene.layout.spacing
-    z = other.z - own.z
+    """Return ``end`` on its way from a rope hung in a loop (0) to its position and lean (1)."""
+    x = other_end.x - end.x - sense * scene.layout.spacing
+    z = other_end.z - end.z
     narrow = (
         HANGING_WIDTH
-        * (scene.rope.length - abs(other.y - own.y))
+        * (scene.rope.length - abs(other_end.y - end.y))
         / maximum(hypot(x, z), MIN_LEAN_SQUARE)
     )
     shift = 0.5 * (1.0 - minimum(narrow, 1.0)) * (1.0 - fraction)
-    x = own.x + shift * x
-    z = own.z + shift * z
+    x = end.x + shift * x
+    z = end.z + shift * z
     return EndMotion(
-        x, own.y, z, yaw=own.yaw, lean=fraction * own.lean, lean_z=fraction * own.lean_z
+        x, end.y, z, yaw=end.yaw, lean=fraction * end.lean, lean_z=fraction * end.lean_z
     )
 
 

@@ -79,7 +79,7 @@ class EndMotion:
             (to.yaw, to.yaw_rate, 0.0),
         )
         motions = [
-            quintic.rates(quintic.coefficients(h, *start, *stop), after)
+            quintic.rates(quintic.coefficients(h, start, stop), after)
             for start, stop in zip(starts, stops, strict=True)
         ]
         (x, vx, ax), (y, vy, ay), (z, vz, az), (yaw, yaw_rate, _) = motions

@@ -70,10 +70,14 @@ def unsupported_motion(scene: Scene, fidelity: Fidelity, ends: Ends, forces: int
     if number := int(fidelity_rules.unsupported_input(scene, fidelity, *ends)):
         reason = _input_text(ends, number)
         held = fidelity == "spatial" and fidelity_rules.out_of_plane(number)
-        return fidelity_messages.while_swivels_hold(reason) if held else reason
+        if held:
+            return fidelity_messages.while_swivels_hold(reason)
+        return reason
     if scene.model.fidelity == "auto":
         return first_text(fidelity_rules.UNSUPPORTED, scene, fidelity, *ends, forces)
-    return fidelity_messages.applied_forces() if fidelity == "rigid" and forces else ""
+    if fidelity == "rigid" and forces:
+        return fidelity_messages.applied_forces()
+    return ""
 
 
 def _lowest(scene: Scene, ends: Ends, forces: int) -> Choice:
@@ -84,13 +88,19 @@ def _lowest(scene: Scene, ends: Ends, forces: int) -> Choice:
             "torsional", fidelity_messages.held_where_initialised(_input_text(ends, number))
         )
     estimated = scene.model.force_tolerance > 0
-    fidelity = lowest_sufficient(scene, ends, forces) if estimated else "torsional"
+    if estimated:
+        fidelity = lowest_sufficient(scene, ends, forces)
+    else:
+        fidelity = "torsional"
     if why := first_text(fidelity_rules.SUFFICIENT, scene, fidelity, *ends):
         return Choice(
             fidelity if fidelity_rules.carries_torque(scene) or fidelity == "rigid" else "planar",
             why,
         )
-    below = unsupported_motion(scene, "spatial", ends, forces) if estimated else ""
+    if estimated:
+        below = unsupported_motion(scene, "spatial", ends, forces)
+    else:
+        below = ""
     torque = first_text(fidelity_rules.TORQUE, scene)
     return Choice(
         "torsional", fidelity_messages.torque_and_more(torque, below) if below else torque

@@ -62,11 +62,15 @@ class Coefficients:
         """Return the derivatives (3,) of q, v and a at the end of a step ``h`` with respect to q there."""
         return np.array(newton_coefficients(self, h))
 
-    def prediction(self, h: float, recentring: float, ahead: float) -> Array:
+    def prediction(self, h: float, recentring: float, horizon: float) -> Array:
         """Return q, v, a at the end of a step ``h`` as weights (3, 5) of q, v, a, b, a_rate; see prediction_weights."""
-        q_a, v_a, q_b, v_b, q_rate, v_rate = prediction_weights(self, h, recentring, ahead)
+        q_a, v_a, q_b, v_b, q_rate, v_rate = prediction_weights(self, h, recentring, horizon)
         return np.array(
-            [[1.0, h, q_a, q_b, q_rate], [0.0, 1.0, v_a, v_b, v_rate], [0.0, 0.0, 1.0, 0.0, ahead]]
+            [
+                [1.0, h, q_a, q_b, q_rate],
+                [0.0, 1.0, v_a, v_b, v_rate],
+                [0.0, 0.0, 1.0, 0.0, horizon],
+            ]
         )
 
 
@@ -83,11 +87,11 @@ def newton_coefficients(method: Coefficients, h: Scalar) -> tuple[Scalar, Scalar
 
 
 def prediction_weights(
-    method: Coefficients, h: Scalar, recentring: Scalar, ahead: Scalar
+    method: Coefficients, h: Scalar, recentring: Scalar, horizon: Scalar
 ) -> tuple[Scalar, ...]:
     """Return the weights of a, b and a_rate in q and in v at the end of a step ``h``.
 
-    b is moved by ``recentring``; the acceleration continues at its rate for the time ``ahead``.
+    b is moved by ``recentring``; the acceleration continues at its rate for the time ``horizon``.
     """
     m = method.alpha_m
     gamma = method.gamma
@@ -96,7 +100,7 @@ def prediction_weights(
     v_a = h * gamma / (1 - m)
     q_b = h * h * (0.5 - beta) - m * q_a
     v_b = h * (1 - gamma) - m * v_a
-    weight = (1 - method.alpha_f) * ahead
+    weight = (1 - method.alpha_f) * horizon
     return q_a, v_a, q_b, v_b, q_b * recentring + q_a * weight, v_b * recentring + v_a * weight
 
 

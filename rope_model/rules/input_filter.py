@@ -75,7 +75,7 @@ BROKEN = 1.8  #: lower bound at a break
 #: so once in 2^7
 MIN_BREAKS = 8.0
 #: relative difference of such lengths: less than a step of a table of a hundred
-ALIKE = 0.01
+TABLE_TOLERANCE = 0.01
 
 #: a jump where the acceleration is given: its sample is compared with the path instead
 NOT_ESTIMATED = -1.0
@@ -312,14 +312,14 @@ def _completed(
         -settings.estimate * h
     )  # fraction of an old error: 1 - alpha = retained^2 or retained^3
     gain = 1.0 - retained
-    x_ahead, v_ahead = quintic.extrapolate(x, v, a, h)
-    speed_gap = sample[1] - v_ahead
-    position_gap = sample[0] - x_ahead
-    speed = v_ahead + (1.0 - retained * retained) * speed_gap
+    x_end, v_end = quintic.extrapolate(x, v, a, h)
+    speed_gap = sample[1] - v_end
+    position_gap = sample[0] - x_end
+    speed = v_end + (1.0 - retained * retained) * speed_gap
     acceleration = a + gain * gain / h * speed_gap
     integrated = x + 0.5 * h * (v + speed) + h * h / 12.0 * (a - acceleration)
-    position = x_ahead + (1.0 - retained * retained * retained) * position_gap
-    position_speed = v_ahead + 1.5 * gain * gain * (1.0 + retained) / h * position_gap
+    position = x_end + (1.0 - retained * retained * retained) * position_gap
+    position_speed = v_end + 1.5 * gain * gain * (1.0 + retained) / h * position_gap
     position_acceleration = a + gain * gain * gain / (h * h) * position_gap
     return (
         where(settings.position_trust > 0, where(knows_speed, sample[0], position), integrated),
@@ -351,7 +351,7 @@ def _signs(
     counts = logical_and(breaks, state.straight_samples > 0)
     piece = given_at - state.broken_at
     is_table = state.breaks >= MIN_BREAKS
-    alike = logical_or(is_table, abs(piece - state.table_every) < ALIKE * piece)
+    alike = logical_or(is_table, abs(piece - state.table_every) < TABLE_TOLERANCE * piece)
     return {
         "grid": where(moves, minimum(state.grid, finest), state.grid),
         "samples": state.samples + where(moves, 1.0, 0.0),
@@ -367,51 +367,67 @@ def filter_path(path: EndPath, state: InputFilter, stop: Scalar, bandwidth: Scal
     """Return the path from the end of ``path`` to ``stop`` that follows the inputs; a very short one leads beyond."""
     start = path.stop
     h = maximum(stop - start, MIN_AIM_TIME)
-    ahead = stop - state.given_at + (h - (stop - start))
-    starts = zip(*path.motion(start), strict=True)
-    axes = zip(
-        JERKS, starts, state.motion, state.end_accelerations, state.recent_changes, strict=True
+    horizon = stop - state.given_at + (h - (stop - start))
+    samples = map(
+        _AxisSample,
+        JERKS,
+        state.motion,
+        state.end_accelerations,
+        state.recent_changes,
     )
-    x, y, z, yaw = (_axis_quintic(bandwidth, ahead, h, *axis) for axis in axes)
+    starts = zip(*path.motion(start), strict=True)
+    x, y, z, yaw = (
+        _axis_quintic(bandwidth, horizon, h, axis_start, sample)
+        for axis_start, sample in zip(starts, samples, strict=True)
+    )
     latest = zip(path.lean_motion(start), state.given[-2:], state.lean_rates, strict=True)
-    lean, lean_z = (_lean_quintic(h, ahead, *axis) for axis in latest)
+    lean, lean_z = (_lean_quintic(h, horizon, *axis) for axis in latest)
     return EndPath(start, stop, (x, y, z, yaw), (lean, lean_z))
 
 
-def _lean_quintic(h: Scalar, ahead: Scalar, start: Vector, sample: Scalar, mean: Scalar) -> Quintic:
-    """Return the quintic of a lean over the step ``h``, ``ahead`` of the sample; a very short one leads beyond.
+class _AxisSample(NamedTuple):
+    """Latest sample of one coordinate, and what bounds its expected changes."""
+
+    jerk: float  # m/s^3 (yaw: rad/s^3)
+    motion: Axis  # position, speed and acceleration
+    last_acceleration: Scalar  # m/s^2, of the sample before
+    recent_change: Scalar  # m/s^2, largest recent change of the acceleration
+
+
+def _lean_quintic(
+    h: Scalar, horizon: Scalar, start: Vector, sample: Scalar, mean: Scalar
+) -> Quintic:
+    """Return the quintic of a lean over the step ``h``, ``horizon`` (s) after the sample; a short one leads beyond.
 
     Its rate, which is not given, lags by a sixth of the step; ``mean`` is that between the latest
     samples.
     """
     x, v, a = start
     aim = maximum(h, MIN_MEAN_TIME)
-    target = sample + (ahead + (aim - h)) * mean
+    target = sample + (horizon + (aim - h)) * mean
     rate = 1.5 * (target - x) / aim - 0.5 * v
-    return quintic.coefficients(aim, x, v, a, target, rate, (rate - v) / aim)
+    return quintic.coefficients(aim, (x, v, a), (target, rate, (rate - v) / aim))
 
 
 def _axis_quintic(
-    w: Scalar,
-    ahead: Scalar,
-    h: Scalar,
-    jerk: float,
-    start: Vector,
-    sample: Vector,
-    last_acceleration: Scalar,
-    recent_change: Scalar,
+    w: Scalar, horizon: Scalar, h: Scalar, start: Vector, sample: _AxisSample
 ) -> Quintic:
     """Return the quintic of one coordinate over the step ``h``, from ``start`` (x, v, a) to the observer's state."""
-    x, v, a = start
-    sample_position, sample_speed, acceleration = sample
-    position, speed = quintic.extrapolate(sample_position, sample_speed, acceleration, ahead)
+    x, v, _ = start
+    sample_position, sample_speed, acceleration = sample.motion
+    position, speed = quintic.extrapolate(sample_position, sample_speed, acceleration, horizon)
     misfit = sample_misfit(
-        h, (x, v), (last_acceleration, acceleration), (position, speed), recent_change, jerk
+        h,
+        (x, v),
+        (sample.last_acceleration, acceleration),
+        (position, speed),
+        sample.recent_change,
+        sample.jerk,
     )
     rest_speed = misfit.speed_misfit - misfit.speed_misfit * misfit.speed_fits
     rest_position = misfit.position_misfit - misfit.position_misfit * misfit.position_fits
     stop = _observed(w, h, (rest_position, rest_speed), (position, speed, acceleration))
-    return quintic.coefficients(h, x, v, a, *stop)
+    return quintic.coefficients(h, start, stop)
 
 
 def _observed(
@@ -486,12 +502,12 @@ class PathMeasures(NamedTuple):
 def end_misfits(path: EndPath, state: InputFilter) -> list[Axis]:
     """Return the misfits of position, speed and acceleration at the path's end, by PATH."""
     misfits = []
-    ahead = path.stop - state.given_at
+    horizon = path.stop - state.given_at
     for (position, speed, acceleration), x, v, a in zip(
         state.motion, *path.motion(path.stop), strict=True
     ):
-        x_ahead, v_ahead = quintic.extrapolate(position, speed, acceleration, ahead)
-        misfits.append((x_ahead - x, v_ahead - v, acceleration - a))
+        x_end, v_end = quintic.extrapolate(position, speed, acceleration, horizon)
+        misfits.append((x_end - x, v_end - v, acceleration - a))
     return misfits
 
 

@@ -95,10 +95,10 @@ def add_misfit(
         * sample.speed_fits
     )
     speed_misfit = sample.speed_misfit * fits
-    most = ONE_CHANGE * h * abs(sample.speed_misfit * fits)
-    aside = minimum(maximum(sample.position_misfit * fits - 0.5 * h * speed_misfit, -most), most)
+    bound = ONE_CHANGE * h * abs(sample.speed_misfit * fits)
+    aside = minimum(maximum(sample.position_misfit * fits - 0.5 * h * speed_misfit, -bound), bound)
     *_, b3, b4, b5 = quintic.coefficients(
-        h, 0.0, 0.0, 0.0, 0.5 * h * speed_misfit + aside, speed_misfit, 0.0
+        h, (0.0, 0.0, 0.0), (0.5 * h * speed_misfit + aside, speed_misfit, 0.0)
     )
     # additional acceleration and its rates at the step's start
     begin = state.motion[1][2] + grows * (path.start - state.given_at) + lag

@@ -33,11 +33,9 @@ class Partition:
     @property
     def fine_length(self) -> float:
         """Length of the loop's elements, m."""
-        return (
-            self.coarse * tmn.fine_share(self.counts[1:6])
-            if self.coarse
-            else float(self.lengths[0])
-        )
+        if self.coarse:
+            return self.coarse * tmn.fine_share(self.counts[1:6])
+        return float(self.lengths[0])
 
     @property
     def centre(self) -> float:

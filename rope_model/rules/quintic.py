@@ -12,10 +12,10 @@ from rope_model.physics.elementary import Scalar, Vector
 Quintic = tuple[float, float, float, float, float, float]
 
 
-def coefficients(
-    h: Scalar, x0: Scalar, v0: Scalar, a0: Scalar, x1: Scalar, v1: Scalar, a1: Scalar
-) -> Quintic:
-    """Return c0 to c5 of the quintic over a time ``h``."""
+def coefficients(h: Scalar, start: Vector, stop: Vector) -> Quintic:
+    """Return c0 to c5 of the quintic over a time ``h`` between two motions (x, v, a)."""
+    x0, v0, a0 = start
+    x1, v1, a1 = stop
     dx = x1 - x0 - h * v0 - 0.5 * h * h * a0
     dv = h * (v1 - v0 - h * a0)
     da = h * h * (a1 - a0)

@@ -39,7 +39,9 @@ from rope_model.rules.state import RopeState
 
 def neglected_effects(scene: Scene, state: RopeState) -> str:
     """Return '' if the fidelity computes all effects on the rope; otherwise the outputs that are 0 and no results."""
-    return neglected_text(state.fidelity) if warning_rules.leaves_out(scene, state) else ""
+    if warning_rules.leaves_out(scene, state):
+        return neglected_text(state.fidelity)
+    return ""
 
 
 def passed_bodies(scene: Scene, state: RopeState) -> str:

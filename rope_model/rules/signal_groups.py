@@ -3,7 +3,7 @@
 from rope_model.rules.state_signals import STATE_SIGNALS
 
 #: group of the signals of a source: the first part of their names
-_OF_A_SOURCE = {
+_GROUP_BY_SOURCE = {
     "loop": "loop_signals",
     "stress": "stress_signals",
     "shape": "shape_signals",
@@ -25,4 +25,4 @@ def group_of(name: str) -> str:
         return "stress_signals"
     if name.startswith(("shape.s", "shape.tension", "shape.bending", "shape.torsion")):
         return "along_signals"
-    return _OF_A_SOURCE.get(name.partition(".")[0], "end_signals")
+    return _GROUP_BY_SOURCE.get(name.partition(".")[0], "end_signals")

@@ -82,7 +82,10 @@ def _table() -> Iterator[tuple[str, Signal]]:
     yield "guard.cause", Signal("1", f"the first guard that has tripped: {causes}", "integer")
     yield "guard.time", Signal("s", "time of the first trip; 0 before")
     for point in (*SIDES, "loop"):
-        where = "at the loop's lowest point" if point == "loop" else f"at the {point} end"
+        if point == "loop":
+            where = "at the loop's lowest point"
+        else:
+            where = f"at the {point} end"
         yield f"{point}.twist", Signal("rad/m", f"twist {where}: change of the lay")
     yield (
         "stress.bending_max",

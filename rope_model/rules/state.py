@@ -125,7 +125,7 @@ class RopeState(NamedTuple):
     def to_bytes(self) -> bytes:
         """Return the state as bytes that depend on the state alone: length of the JSON, JSON, all arrays."""
         arrays: list[Array] = []
-        head = json.dumps(_plain(self, arrays)).encode()
+        head = json.dumps(_to_json(self, arrays)).encode()
         numbers = (x.astype("<f8").tobytes() for x in arrays)
         return b"".join((len(head).to_bytes(8, "little"), head, *numbers))
 
@@ -134,10 +134,10 @@ class RopeState(NamedTuple):
         """Return the state that ``to_bytes`` wrote; ValueError for anything else."""
         try:
             start = 8 + int.from_bytes(data[:8], "little")
-            rest = np.frombuffer(data[start:], "<f8").astype(np.float64).tolist()
-            state: RopeState = _rebuild("state", json.loads(data[8:start]), rest)
-            if rest:
-                raise ValueError(f"{8 * len(rest)} of them too many")
+            numbers_left = np.frombuffer(data[start:], "<f8").astype(np.float64).tolist()
+            state: RopeState = _from_json("state", json.loads(data[8:start]), numbers_left)
+            if numbers_left:
+                raise ValueError(f"{8 * len(numbers_left)} of them too many")
             return state
         except Exception as error:
             raise ValueError(f"these {len(data)} bytes are not a rope state ({error})") from error
@@ -177,31 +177,33 @@ def _names(record: Any) -> Sequence[str]:
     return getattr(record, "_fields", ())
 
 
-def _plain(x: Any, arrays: list[Array]) -> Any:
+def _to_json(x: Any, arrays: list[Array]) -> Any:
     """Return ``x`` for JSON: records, arrays and choices as objects; the arrays are appended to ``arrays``."""
     if isinstance(x, np.ndarray):
         arrays.append(x)
         return {_ARRAY: x.shape}
     if names := _names(x):
-        return {_RECORD: [_plain(getattr(x, name), arrays) for name in names]}
+        return {_RECORD: [_to_json(getattr(x, name), arrays) for name in names]}
     if isinstance(x, tuple):
-        return [_plain(part, arrays) for part in x]
+        return [_to_json(part, arrays) for part in x]
     return {_CHOICE: x.value} if isinstance(x, Enum) else x
 
 
-def _rebuild(field: str, plain: Any, rest: list[float]) -> Any:
-    """Return the value of the ``field`` that became ``plain``; arrays are taken from the numbers ``rest``."""
-    if isinstance(plain, list):
-        return tuple(_rebuild(field, part, rest) for part in plain)
-    if not isinstance(plain, dict):
-        return plain
-    if _CHOICE in plain:
-        return _KINDS[field](plain[_CHOICE])
-    if _ARRAY in plain:
-        count = math.prod(plain[_ARRAY])
-        array = np.array(rest[:count]).reshape(plain[_ARRAY])
-        del rest[:count]
+def _from_json(field: str, content: Any, numbers_left: list[float]) -> Any:
+    """Return the value of the ``field`` from ``content``; arrays are taken from ``numbers_left``."""
+    if isinstance(content, list):
+        return tuple(_from_json(field, part, numbers_left) for part in content)
+    if not isinstance(content, dict):
+        return content
+    if _CHOICE in content:
+        return _KINDS[field](content[_CHOICE])
+    if _ARRAY in content:
+        count = math.prod(content[_ARRAY])
+        array = np.array(numbers_left[:count]).reshape(content[_ARRAY])
+        del numbers_left[:count]
         return array
     kind = _KINDS[field]
-    values = plain[_RECORD]
-    return kind(*(_rebuild(name, x, rest) for name, x in zip(_names(kind), values, strict=True)))
+    values = content[_RECORD]
+    return kind(
+        *(_from_json(name, x, numbers_left) for name, x in zip(_names(kind), values, strict=True))
+    )

@@ -132,8 +132,8 @@ def _waves_unresolved(scene: Scene, state: RopeState) -> tuple[Scalar, ...]:
 
 def _bend_unresolved(scene: Scene, state: RopeState) -> tuple[Scalar, ...]:
     elements = audits.signal_values(state.audit)[5]
-    enough = audits.MIN_ELEMENTS
-    return logical_and(state.audit.bend > 0, elements < enough), _shown_below(elements), enough
+    required = audits.MIN_ELEMENTS
+    return logical_and(state.audit.bend > 0, elements < required), _shown_below(elements), required
 
 
 def _positions_rounded(scene: Scene, end_filter: InputFilter, step: Scalar) -> tuple[Scalar, ...]:

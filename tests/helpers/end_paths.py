@@ -32,7 +32,8 @@ def led(path: EndPath, stop: float, target: EndMotion) -> EndPath:
     then = (*target.position, target.yaw), (*target.velocity, target.yaw_rate)
     accelerations = (*target.acceleration, (target.yaw_rate - now[1][3]) / h)
     x, y, z, yaw = (
-        quintic.coefficients(h, *axis) for axis in zip(*now, *then, accelerations, strict=True)
+        quintic.coefficients(h, axis[:3], axis[3:])
+        for axis in zip(*now, *then, accelerations, strict=True)
     )
     return EndPath(path.stop, stop, (x, y, z, yaw))
 

@@ -215,7 +215,7 @@ def _study_page(text: str, folder: Path) -> str:
 
 
 def _sheet_page(text: str, folder: Path) -> str:
-    parts = [(text, page.plain_table((text,), [(text,)]) + page.paragraphs([text]))]
+    parts = [(text, page.untitled_table((text,), [(text,)]) + page.paragraphs([text]))]
     parts.append(("", page.bars([page.Bar(text, 0.1, 0.9, 0.5)], [(0.5, text)], text)))
     parts.append(("", page.titled_table(text, [(text, text, text, text)])))
     return page.write_sheet(folder / "page.html", text, parts).read_text(encoding="utf-8")

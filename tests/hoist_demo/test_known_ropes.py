@@ -39,7 +39,7 @@ from hoist_demo.command_line.main import main
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.files.reading import FileError, read
 from hoist_demo.files.rope_file import FOLLOWING, RopeFile
-from hoist_demo.files.values import ParameterValue, plain, statuses, unreached
+from hoist_demo.files.values import ParameterValue, statuses, unreached, values_of
 from hoist_demo.uncertainty.definition import UncertaintyFile
 from hoist_demo.uncertainty.page import remarks, too_few
 from hoist_demo.uncertainty.spread import UncertaintyResult, draw, remarks_of, wind_once
@@ -202,10 +202,10 @@ def test_what_is_found_is_a_file_for_every_command(
     assert "<script" not in report
 
     found = read(made, RopeFile).values()
-    values = plain(found)
+    values = values_of(found)
     assert values.keys() == {f"rope.{name}" for name in FOLLOWING}
     given = TypeAdapter(Values).validate_python({"from": str(made), "rope": {"EI": 99.0}})
-    assert plain(given) == values | {"rope.EI": 99.0}
+    assert values_of(given) == values | {"rope.EI": 99.0}
     wanted = {"rope.EI": "calibrated", "rope.mass_per_length": "published", "rope.length": "given"}
     assert wanted.items() <= statuses(found).items()
     options = Namespace(rope=made, set=[], hoist="rope-120", ssp=False)

@@ -74,11 +74,11 @@ def test_sparse_modes_are_the_dense_ones_and_none_is_missed(
     with monkeypatch.context() as changed:
         taken_one_by_one(changed)
         dense = model.modes(2.0)
-    monkeypatch.setattr(linear_model, "MOST_DENSE", 0)
+    monkeypatch.setattr(linear_model, "MAX_DENSE_SIZE", 0)
     if not merged:
         taken_one_by_one(monkeypatch)
     found = model.modes(2.0, heard.append)
-    assert found.frequencies.size == dense.frequencies.size > sparse_modes.MOST_IN_PART
+    assert found.frequencies.size == dense.frequencies.size > sparse_modes.MAX_MODES_PER_RUN
     assert heard[-1] == 1.0
     assert heard == sorted(heard)
     # a motion without stiffness has the square of its frequency 0 but for rounding, 1e-6 1/s^2 here
@@ -98,7 +98,7 @@ def test_equal_ropes_are_computed_once(two_ropes: LinearModel, monkeypatch: Patc
         sizes.append(K.shape[0])
         return sparse_modes.sparse_modes(K, *others)
 
-    monkeypatch.setattr(linear_model, "MOST_DENSE", 0)
+    monkeypatch.setattr(linear_model, "MAX_DENSE_SIZE", 0)
     monkeypatch.setattr(linear_model, "sparse_modes", listening)
     two_ropes.modes(1.0)
     of_hoist = sum(not name.startswith("rope.") for name in two_ropes.names[: two_ropes.free])
@@ -210,7 +210,7 @@ def test_the_number_of_states_follows_from_the_measured_error(
     assert "errs by" not in caplog.text  # a compiler may have told of itself
     reduced([model], 9)
     assert "a model of 9 states errs by" in caplog.text
-    monkeypatch.setattr(reduction, "MOST_STATES", 9)
+    monkeypatch.setattr(reduction, "MAX_STATES", 9)
     with pytest.raises(ValueError, match=rf"9 states errs by {few.decibels.max():.2g} dB"):
         reduced([model])
 
@@ -245,7 +245,7 @@ def test_where_no_small_model_serves_the_complete_one_does_or_the_error_is_told(
 ) -> None:
     case = find_case("rope-120")
     swing = swing_at_arrival(case, 0.0)
-    monkeypatch.setattr(reduction, "MOST_STATES", 9)
+    monkeypatch.setattr(reduction, "MAX_STATES", 9)
     monkeypatch.setattr(reduction, "MAX_DECIBELS", 1e-6)
     assert swing_at_arrival(case, 0.0).frequency == pytest.approx(swing.frequency, rel=1e-3)
     monkeypatch.setattr(arrival_swing, "pole_of_sparse", lambda *_: None)

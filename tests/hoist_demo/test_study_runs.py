@@ -613,7 +613,7 @@ def test_all_errors_are_told_at_once_and_need_no_fmu(read: Read, tmp_path: Path)
 def test_of_many_starts_some_are_tried_and_a_refusal_of_another_is_its_cause(
     read: Read, monkeypatch
 ) -> None:
-    monkeypatch.setattr(definition, "MAX_TRIED", 1)
+    monkeypatch.setattr(definition, "MAX_CHECKED", 1)
     study = read("[vary]\nrope.length = [80, 120]")
     outcome = execute(study.samples[0].data, study.fmu)
     assert (outcome.status, "the rope of 80 m cannot hang" in outcome.cause) == ("stopped", True), (

@@ -87,14 +87,14 @@ def test_what_ropes_that_strike_lose_is_what_their_contact_books(h: float) -> No
         off = 0.03
     assert work == pytest.approx(account.work, rel=off)
     assert account.missed < 2e-4
-    assert account.work + account.energy + account.dissipated - account.made == pytest.approx(
+    assert account.work + account.energy + account.dissipated - account.created == pytest.approx(
         0.0, abs=1e-9
     )
 
 
 @pytest.mark.slow
 def test_what_the_steps_make_falls_with_them() -> None:
-    long, short = (abs(striking(h)[0].contacts.accounts[0, 1].made) for h in (0.01, 0.0005))
+    long, short = (abs(striking(h)[0].contacts.accounts[0, 1].created) for h in (0.01, 0.0005))
     # of 18 J in their swing
     assert long < 0.04 * 18.0
     assert short < 0.1 * long

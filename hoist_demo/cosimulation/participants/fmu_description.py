@@ -46,28 +46,28 @@ class Variable:
     items: Mapping[str, int]  # codes of an enumeration's items
 
 
-def _variable(stated: ScalarVariable) -> Variable:
+def _variable(declaration: ScalarVariable) -> Variable:
     """Return a variable of FMPy's model description."""
-    kind = _kind(stated.type)
-    declared = stated.declaredType
-    unit = stated.unit
+    kind = _kind(declaration.type)
+    declared = declaration.declaredType
+    unit = declaration.unit
     if not unit and declared is not None:
         unit = declared.unit
     items: dict[str, int] = {}
-    low, high = stated.min, stated.max
+    low, high = declaration.min, declaration.max
     if kind == "Enumeration":
         items = {item.name: int(item.value) for item in declared.items}
     if items:
         low, high = min(items.values()), max(items.values())
     return Variable(
-        name=stated.name,
-        reference=int(stated.valueReference),
-        causality=stated.causality,
-        type=stated.type,
+        name=declaration.name,
+        reference=int(declaration.valueReference),
+        causality=declaration.causality,
+        type=declaration.type,
         kind=kind,
         unit=str(unit or ""),
-        elements=tuple(stated.name + index for index in _indices(stated.shape)),
-        starts=tuple(_value(kind, text) for text in _start_texts(stated)),
+        elements=tuple(declaration.name + index for index in _indices(declaration.shape)),
+        starts=tuple(_value(kind, text) for text in _start_texts(declaration)),
         minimum=None if low is None else float(low),
         maximum=None if high is None else float(high),
         items=items,
@@ -82,13 +82,13 @@ def _indices(shape: Sequence[int]) -> list[str]:
     return [f"[{','.join(map(str, index))}]" for index in product(*ranges)]
 
 
-def _start_texts(stated: ScalarVariable) -> tuple[str, ...]:
+def _start_texts(declaration: ScalarVariable) -> tuple[str, ...]:
     """Return the start values of a variable, one for each element, as texts."""
-    if stated.start is None:
+    if declaration.start is None:
         return ()
-    if stated.shape:
-        return tuple(stated.start.split())
-    return (stated.start,)
+    if declaration.shape:
+        return tuple(declaration.start.split())
+    return (declaration.start,)
 
 
 def _kind(declared: str) -> str:
@@ -216,7 +216,10 @@ def _read(path: Path, changed: int, size: int) -> Fmu:
             f"FMU '{path}' must be a valid FMU, but: {error}: export it anew"
         ) from error
     if description.coSimulation is None or description.fmiVersion not in FMI_VERSIONS:
-        kind = "co-simulation" if description.coSimulation is not None else "no co-simulation"
+        if description.coSimulation is not None:
+            kind = "co-simulation"
+        else:
+            kind = "no co-simulation"
         versions = " and ".join(FMI_VERSIONS)
         raise ValueError(
             f"FMU '{path}' is of FMI {description.fmiVersion}, {kind}; "

@@ -66,7 +66,7 @@ class RopeData:
             return ""
         return f"{self.name}."
 
-    def whose(self, text: str) -> str:
+    def with_name(self, text: str) -> str:
         """Return words on the rope, with its name where there are several."""
         if not self.name:
             return text
@@ -113,4 +113,4 @@ def _level_values(level: Level) -> dict[str, Value]:
     }
 
 
-UNKNOWN = RopeData({}, {}, {})  #: A rope of which nothing is known.
+NO_DATA = RopeData({}, {}, {})  #: A rope of which nothing is known.

@@ -173,7 +173,10 @@ class RopeGroup:
         ropes = [member.rope.save() for member in self.members]
         if any(rope is None for rope in ropes):
             return None
-        contacts = None if self.neighbours is None else self.neighbours.contacts
+        if self.neighbours is None:
+            contacts = None
+        else:
+            contacts = self.neighbours.contacts
         return GroupSnapshot(ropes, self._conveyances, self._rope_ends, self._means, contacts)
 
     def restore(self, snapshot: GroupSnapshot) -> None:
@@ -225,7 +228,7 @@ class RopeGroup:
             f"neighbours.{one}.{other}.force": account.pressure
             for (one, other), account in accounts.items()
         }
-        energies = [(x.energy, x.work, x.dissipated, x.made) for x in accounts.values()]
+        energies = [(x.energy, x.work, x.dissipated, x.created) for x in accounts.values()]
         sums = np.array(energies).reshape(-1, len(CONTACT_ENERGIES)).sum(axis=0)
         return forces | dict(zip(CONTACT_ENERGIES, sums.tolist(), strict=True))
 

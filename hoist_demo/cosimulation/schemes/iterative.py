@@ -126,8 +126,8 @@ class Iterative:
         force = scheme_state.last.force
         x = self._first_guess(scheme_state, h)
         accelerator = self._accelerator(coupled)
-        for tried in range(MAX_EXCHANGES):
-            if tried:
+        for trials in range(MAX_EXCHANGES):
+            if trials:
                 coupled.restore(before)
             load = self._load(force, x)
             status = coupled.step(t, h, load)
@@ -137,7 +137,7 @@ class Iterative:
             response = self._unknown(mean, end)
             change = float(np.max(np.abs(response - x)))
             if change <= self.tolerance:
-                return Advance(coupled.exchanged(scheme_state.with_taken_back(tried), t + h, load))
+                return Advance(coupled.exchanged(scheme_state.with_taken_back(trials), t + h, load))
             x = accelerator.next(x, response)
         message = (
             f"coupling: after {MAX_EXCHANGES} exchanges the forces still change by {change:.3g} N, "

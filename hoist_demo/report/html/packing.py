@@ -49,14 +49,14 @@ def pack_to(values: Array, resolution: float) -> Packed:
     return {"kind": "f32", "lo": 0.0, "hi": 0.0, "data": base64.b64encode(raw).decode("ascii")}
 
 
-def thin(values: Array, most: int) -> Array:
-    """Thin to at most `most` values (1-D), the lowest and highest of each interval, in order.
+def thin(values: Array, limit: int) -> Array:
+    """Thin to at most `limit` values (1-D), the lowest and highest of each interval, in order.
 
     Fewer stay.
     """
-    if len(values) <= most:
+    if len(values) <= limit:
         return values
-    width = interval(len(values), most)
+    width = interval(len(values), limit)
     extremes: list[float] = []
     for start in range(0, len(values), width):
         part = values[start : start + width]
@@ -68,25 +68,25 @@ def thin(values: Array, most: int) -> Array:
     return np.array(extremes)
 
 
-def thin_times(times: Array, most: int) -> Array:
+def thin_times(times: Array, limit: int) -> Array:
     """Return the instants of thin(): the first quarter and the third quarter of each interval."""
-    if len(times) <= most:
+    if len(times) <= limit:
         return times
-    width = interval(len(times), most)
+    width = interval(len(times), limit)
     starts = np.arange(0, len(times), width)[:, None]
     ends = np.minimum(starts + width, len(times)) - 1
     places = starts + np.array([0.25, 0.75]) * (ends - starts)
     return np.interp(places.ravel(), np.arange(len(times)), times)
 
 
-def interval(count: int, most: int) -> int:
+def interval(count: int, limit: int) -> int:
     """Return the number of values that share a pair."""
-    return math.ceil(count / (most // 2))
+    return math.ceil(count / (limit // 2))
 
 
-def frames(count: int, most: int) -> list[int]:
-    """Return rows at even distances, at most `most`, the last one included."""
-    stride = max(1, math.ceil((count - 1) / max(1, most - 1)))
+def frames(count: int, limit: int) -> list[int]:
+    """Return rows at even distances, at most `limit`, the last one included."""
+    stride = max(1, math.ceil((count - 1) / max(1, limit - 1)))
     rows = list(range(0, count, stride))
     if rows and rows[-1] < count - 1:
         rows.append(count - 1)

@@ -151,7 +151,7 @@ def _bar(row: Bar, y: float) -> str:
     )
 
 
-def plain_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def untitled_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return an HTML table with a head row."""
     lines = _table_row(head, "th") + "".join(_table_row(row, "td") for row in rows)
     return f"<table>{lines}</table>"

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hoist_demo.cosimulation.participants.rope_data import UNKNOWN, RopeData
+from hoist_demo.cosimulation.participants.rope_data import NO_DATA, RopeData
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.recording.incidents import guard_trip
@@ -27,7 +27,7 @@ TIME_RESOLUTION = 1e-4  #: Error that packing may bring into an instant [s].
 
 
 def run_report(
-    result: Result, hoist: Hoist, report: Report, path: Path, ropes: Sequence[RopeData] = (UNKNOWN,)
+    result: Result, hoist: Hoist, report: Report, path: Path, ropes: Sequence[RopeData] = (NO_DATA,)
 ) -> Path:
     """Write the report of a run, the same bytes but the clock's.
 
@@ -58,7 +58,7 @@ def _verdict(verdict: Verdict, changed: parameter_tables.TitledRows) -> str:
     kind = "note good" if verdict.good else "note stopped"
     parts = [f'<p class="{kind}"><strong>{html_text(verdict.summary)}</strong></p>']
     if verdict.rows:
-        table = page.plain_table(COLUMNS, [row.cells for row in verdict.rows])
+        table = page.untitled_table(COLUMNS, [row.cells for row in verdict.rows])
         parts.append(f'<div class="scroll">{table.replace("<td>NO</td>", _NO)}</div>')
     parts += [
         f'<p class="note stopped"><strong>Warning.</strong> {html_text(text)}</p>'
@@ -66,7 +66,7 @@ def _verdict(verdict: Verdict, changed: parameter_tables.TitledRows) -> str:
     ]
     title, rows = changed
     if rows:
-        table = page.plain_table(CHANGED, rows)
+        table = page.untitled_table(CHANGED, rows)
         parts.append(f"<details open><summary>{html_text(title)}</summary>{table}</details>")
     return "".join(parts)
 

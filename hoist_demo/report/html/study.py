@@ -48,18 +48,18 @@ _FIRST = (
 
 def study_report(
     table: pd.DataFrame,
-    stated: Mapping[str, str],
+    units: Mapping[str, str],
     meta: Mapping[str, Any],
     path: str | Path,
-    more: Sequence[TitledRows] = (),
+    data_tables: Sequence[TitledRows] = (),
     result: StudyResult | None = None,
     objective: Objective | None = None,
 ) -> Path:
     """Write the report to `path`, from one row of `table` per run.
 
-    `stated` has the units by column name ("" or "1" for none).
+    `units` are those by column name ("" or "1" for none).
 
-    `more` are tables of the data, `result` the study's outcome, which is judged by `objective`.
+    `data_tables` are tables of the data, `result` the study's outcome, which is judged by `objective`.
     """
     judged = list[str]()
     constraints: Sequence[Constraint] = ()
@@ -75,7 +75,7 @@ def study_report(
         choices = result.choices
         trends = result.remarks
         best = result.best
-    columns = _columns_in_engineering_units(table, stated)
+    columns = _columns_in_engineering_units(table, units)
     varied = {name for name, column in columns.items() if _differ(column.values)}
     fixed = [name for name in parameters if name in columns and name not in varied]
     empty = [
@@ -131,7 +131,7 @@ def study_report(
     tables = page.titled_table("Study", about)
     tables += page.titled_table("The same in all runs", equal)
     tables += page.titled_table("Not shown by any run", [(name, "", "") for name in empty])
-    for heading, rows in more:
+    for heading, rows in data_tables:
         tables += page.titled_table(heading, rows)
     outcome = "</p><p>".join(html_text(text.strip()) for text in sentences if text)
     body = page.fill("study.html", outcome=outcome, remarks=remarks, tables=tables)
@@ -190,7 +190,7 @@ class _Column(NamedTuple):
 
 
 def _columns_in_engineering_units(
-    table: pd.DataFrame, stated: Mapping[str, str]
+    table: pd.DataFrame, units: Mapping[str, str]
 ) -> dict[str, _Column]:
     """Return the columns that the page plots, in units with prefixes where numbers are large."""
     columns = dict[str, _Column]()
@@ -202,7 +202,7 @@ def _columns_in_engineering_units(
             abs(value) for value in cells if isinstance(value, float) and math.isfinite(value)
         ]
         largest = max(numbers, default=0.0)
-        factor, unit = formatting.engineering(largest, stated.get(name, ""))
+        factor, unit = formatting.engineering(largest, units.get(name, ""))
         scaled = [factor * value if isinstance(value, float) else value for value in cells]
         columns[name] = _Column(scaled, unit, factor)
     return columns

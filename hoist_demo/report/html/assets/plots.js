@@ -90,7 +90,7 @@ class TimePlot {
       lo = Math.min(lo, limit.value);
       hi = Math.max(hi, limit.value);
     }
-    const least = Math.max(this.panel.least, 1e-9, 1e-6 * Math.max(Math.abs(lo), Math.abs(hi)));
+    const least = Math.max(this.panel.min_range, 1e-9, 1e-6 * Math.max(Math.abs(lo), Math.abs(hi)));
     const grow = Math.max(0, least - (hi - lo)) / 2 + 0.04 * Math.max(least, hi - lo);
     return [lo - grow, hi + grow];
   }
@@ -195,7 +195,7 @@ TimePlot.paper = 0; // width while printing, in pixels, which the screen's layou
 // a quantity over the rope's length and time, as a picture with a scale
 class AlongPlot extends TimePlot {
   constructor(parent, map, times, player) {
-    const panel = { id: map.id, title: map.title, unit: map.unit, group: "Stress", least: 0, height: 260, named: false };
+    const panel = { id: map.id, title: map.title, unit: map.unit, group: "Stress", min_range: 0, height: 260, named: false };
     super(parent, panel, times, [], player);
     this.map = map;
     const { rows, columns } = map, { lo, hi } = map.values, from = Math.min(0, lo);

@@ -93,7 +93,7 @@ function makePlots(player, times, values) {
 // one plot whose signal the reader chooses
 function freePlot(home, player, times, values) {
   const names = Object.keys(DATA.signals), line = { label: "", style: "a", values: [] };
-  const panel = { id: "free", title: "", unit: "", group: "", least: 0, limit: null };
+  const panel = { id: "free", title: "", unit: "", group: "", min_range: 0, limit: null };
   const plot = new TimePlot(home, panel, times, [line], player);
   const select = document.createElement("select");
   select.id = "any";
