@@ -52,6 +52,9 @@ class Checkpoint:
     data: str  # data that a resumed run must share: see Host.data
     cause: str  # reason why the run stopped
     hoist: str = ""  # name or file of the hoist, if known
+    emergency_at: float | None = (
+        None  # s after the start: emergency stop, by plan or safety circuit
+    )
 
     def write(self, path: Path) -> None:
         """Write the file; ValueError, and no file, when the controller's state is no plain data."""

@@ -254,6 +254,9 @@ class Host:
         run.recorder.resume(checkpoint.recording, checkpoint.sample)
         run.controller = deepcopy(checkpoint.controller)
         run.scheme_state = checkpoint.scheme_state
+        if checkpoint.emergency_at is not None:
+            # what opened the safety circuit may be over
+            run.course = run.course.with_emergency_stop(checkpoint.emergency_at)
         run.first = checkpoint.sample
         run.steps = checkpoint.sample * self.coupling.per_sample
 
@@ -291,6 +294,7 @@ class Host:
             data=self.data,
             cause=cause,
             hoist=self.name,
+            emergency_at=saved.emergency_at,
         )
 
     def _record(self) -> tuple[Recorder, RopeReaders]:
@@ -361,7 +365,13 @@ class Host:
         run.saved = None  # frees the memory of the state before
         # the controller may change the state that it is called with
         controller = deepcopy(run.controller)
-        run.saved = SavedState(k, run.coupled.save(), controller, run.scheme_state)
+        run.saved = SavedState(
+            sample=k,
+            partners=run.coupled.save(),
+            controller=controller,
+            scheme_state=run.scheme_state,
+            emergency_at=run.course.winding.emergency_at,
+        )
 
     def _samples_in_c(
         self, compiled: CompiledTrip, run: RunState, first: int, last: int

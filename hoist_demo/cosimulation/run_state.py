@@ -64,6 +64,7 @@ class SavedState(NamedTuple):
     partners: tuple[Any, Any]  # snapshots of drive and rope
     controller: Any
     scheme_state: SchemeState
+    emergency_at: float | None  # s after the start: emergency stop that has begun or is planned
 
 
 @dataclass

@@ -5,7 +5,7 @@ import json
 import math
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -25,6 +25,10 @@ from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
 
 TRIP = Winding(travel=0.5, settle=0.0, start_delay=0.0)
+#: its pulls swing by a quarter of the weight
+QUICK_TRIP = replace(TRIP, travel=1.0, acceleration=1.5, jerk=10.0)
+#: N, of 98 kN at rest on the lighter side
+SLACK = 9e4
 
 
 class Filter(NamedTuple):
@@ -99,6 +103,26 @@ def test_a_controller_with_a_memory_of_its_own_resumes_to_the_same_bits(
         ValueError, match=r"must be of the same .*(period is 0\.02 there|they differ)"
     ):
         wind(Filtered, resume=kept, coupling=Coupling(step=0.03 - coupling.step))
+
+
+def test_an_emergency_stop_goes_on_when_the_pull_that_asked_for_it_is_there_again() -> None:
+    def stopped_for_slack(stop_at: float = math.inf, resume: Checkpoint | None = None) -> Result:
+        hoist = Hoist(slack_tension=SLACK)
+        host = Host(rope_in_process("rope-120", level="draft"), hoist, QUICK_TRIP)
+        return host.run(lambda fraction, t: t < stop_at, resume=resume)
+
+    whole = stopped_for_slack()
+    begun = whole.winding.emergency_at
+    assert begun is not None
+    pulls = [whole.recording[f"drive.pull_{side}"] for side in ("left", "right")]
+    low = (np.minimum(*pulls) < SLACK).nonzero()[0]
+    later = whole.recording["time"][low[-1] + 1]
+    stopped = stopped_for_slack(later + 0.05)
+    assert stopped.checkpoint is not None
+    resumed = stopped_for_slack(resume=stopped.checkpoint)
+    assert resumed.winding.emergency_at == begun
+    for name, values in whole.recording.signals.items():
+        assert_array_equal(resumed.recording[name], values, name)
 
 
 class Hoarder:
