@@ -16,7 +16,6 @@ from rope_model.rules.end_paths import MOTION_BOUNDS, EndMotion
 SIDES = ("left", "right")
 END_NODE = (0, -1)  #: row of each end in arrays of nodes
 SENSE = (-1.0, 1.0)  #: of a rotation about Y in theta at each end, as of the tangent in Y
-RESTS_BELOW = 1e-6  #: m/s and rad/s, speed below which an end rests
 #: values and first and second derivatives of the powers 0 to 5 of u at 0 and at 1 (6, 6), inverted
 _TO_POWERS = np.linalg.inv(
     np.array(

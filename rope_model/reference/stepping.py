@@ -31,13 +31,18 @@ from rope_model.reference.outputs import nearest_turn, yaw_of
 from rope_model.reference.state import Event, State
 from rope_model.reference.swivel import STRETCH, Ends, slip, stick
 from rope_model.reference.transformation import with_mesh_for
-from rope_model.rules.swivel_phases import Phase, SwivelState, frictionless, released_at
+from rope_model.rules.swivel_phases import (
+    CHATTER_EVENTS,
+    CHATTER_TIME,
+    EVENT_WIDTH,
+    Phase,
+    SwivelState,
+    frictionless,
+    released_at,
+)
 
-EVENT_WIDTH = 1e-9  #: s, width to which events are located
 JUST_BEFORE = -1e-12  #: event function of a slip that has just begun: it has no rate yet
 ROUNDING = 1e-9  #: steps: a rest of the interval below it needs no step of its own
-CHATTER_EVENTS = 50  #: swivel events of an advance in CHATTER_TIME that no rope can make
-CHATTER_TIME = 1e-3  #: s
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,8 @@ from rope_model.reference.mesh import transformed
 from rope_model.reference.newton import Cause, Failure, Guess, solve
 from rope_model.reference.state import Event, State
 from rope_model.reference.transfer import transferred
+from rope_model.rules.stepping import RELAXATION_TIME
 
-RELAXATION_TIME = 0.1  #: s, T: a torsional wave passes the longest element in it
 FIELDS = ("q", "v", "a", "b", "a_rate")
 
 
