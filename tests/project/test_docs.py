@@ -45,6 +45,32 @@ def anchor(heading: str) -> str:
     return "".join(c for c in text if c.isalnum() or c in "-_")
 
 
+#: scripts of another project, whose names begin with this
+ELSEWHERE = "scripts/"
+
+
+@cache
+def source_paths() -> tuple[str, ...]:
+    """Paths of the sources, each from the top of the checkout."""
+    folders = ("rope_model", "fmu_src", "hoist_demo", "evidence", "benchmarks", "release")
+    found = []
+    for folder in (*folders, "examples", "docs", "tests"):
+        found += [path.relative_to(ROOT).as_posix() for path in (ROOT / folder).rglob("*.*")]
+    return tuple(found)
+
+
+@pytest.mark.parametrize("path", PAGES, ids=[str(path.relative_to(ROOT)) for path in PAGES])
+def test_a_source_that_a_page_names_is_there(path: Path) -> None:
+    named = re.findall(r"`([\w./-]*\w\.(?:py|c|inc))`", path.read_text(encoding="utf-8"))
+    lost = [
+        name
+        for name in named
+        if not name.startswith(ELSEWHERE)
+        and not any(source == name or source.endswith("/" + name) for source in source_paths())
+    ]
+    assert lost == []
+
+
 @pytest.mark.parametrize("path", PAGES, ids=[str(path.relative_to(ROOT)) for path in PAGES])
 def test_links_lead_somewhere_code_is_python_and_merges_are_complete(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
