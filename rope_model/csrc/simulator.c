@@ -144,9 +144,9 @@ static RopeStatus initialize(Simulator *sim, double t, const EndMotion ends[2]) 
     if (tell_no_room(scene, state->fidelity, &ends[LEFT], &ends[RIGHT], message)) return ROPE_FAILED;
     const NodalArrays nodal = state_arrays(state);
     double divider_s[DIVIDERS];
-    model_dividers(&sim->scene, state->paths, t, divider_s);
-    partition(&sim->mesh, scene->rope.length, model_bottom_s(&sim->scene, state->paths, t), divider_s, nodal.elements,
-              &state->pattern, nodal.lengths);
+    dividers_on_rope(&sim->scene, state->paths, t, divider_s);
+    partition(&sim->mesh, scene->rope.length, bottom_arc_length(&sim->scene, state->paths, t), divider_s,
+              nodal.elements, &state->pattern, nodal.lengths);
     arc_lengths(nodal.elements, nodal.lengths, nodal.s);
     if (!hanging_guess(nodal.nodes, nodal.s, points[LEFT], points[RIGHT], nodal.q, message)) return ROPE_FAILED;
     start_director(state, nodal.q);

@@ -75,7 +75,7 @@ static void audit_step(const Simulator *sim, State *state, const System *sys, do
     }
     state->audit =
         audit_after_step(&state->audit, &method, h, time_shift, load, force, change,
-                         axial_share(&sim->scene.rope, model_bottom_s(&sim->scene, state->paths, state->t), h));
+                         axial_share(&sim->scene.rope, bottom_arc_length(&sim->scene, state->paths, state->t), h));
 }
 
 /* Return the largest square of the change of r' over an element. */
@@ -106,13 +106,13 @@ void audit_interval(const Simulator *sim, State *state, double h, double residua
 static double relative_error(const Scene *scene, State *state, const StepResult *result) {
     const NodalArrays old = state_arrays(state);
     const Coefficients method = {scene->solver.rho_inf};
-    const StepLimits limits = step_limits(scene, &state->errors, model_bottom_s(scene, state->paths, state->t),
+    const StepLimits limits = step_limits(scene, &state->errors, bottom_arc_length(scene, state->paths, state->t),
                                           relative_end_speed(&old), local_error(&method, 1, 1));
     const double strain = fmax(fabs(result->strains[LEFT]), fabs(result->strains[RIGHT]));
     return step_error(&limits, result->h, result->error, strain);
 }
 
-StepResult model_trial(Simulator *sim, State *state, double h) {
+StepResult compute_trial(Simulator *sim, State *state, double h) {
     System sys = rope_system(sim, state);
     sys.corrections = sim->replay.repeating ? sim->replay.corrections : 0;
     StepResult result = generalized_alpha_step(sim, state, &sys, h);
@@ -121,10 +121,10 @@ StepResult model_trial(Simulator *sim, State *state, double h) {
     return result;
 }
 
-void model_restart(Simulator *sim, State *state) {
+void restart_motion(Simulator *sim, State *state) {
     const System sys = rope_system(sim, state);
     generalized_alpha_restart(sim, state, &sys);
-    model_powers(&sim->scene, state);
+    rope_powers(&sim->scene, state);
     restart_audit(&sim->scene, chain_of(sim, state), state, &sys);
 }
 
@@ -132,16 +132,16 @@ void update_angles(Simulator *sim, State *state, double *q, double *v, double *a
     state->offsets[RIGHT] += rope_system_transport(sim, state, q, v, a, b);
 }
 
-double model_bottom_s(const Scene *scene, const Path paths[2], double t) {
+double bottom_arc_length(const Scene *scene, const Path paths[2], double t) {
     const double left = path_height(&paths[LEFT], t), right = path_height(&paths[RIGHT], t);
     return 0.5 * (scene->rope.length + left - right);
 }
 
-void model_dividers(const Scene *scene, const Path paths[2], double t, double *divider_s) {
+void dividers_on_rope(const Scene *scene, const Path paths[2], double t, double *divider_s) {
     mesh_dividers(scene, path_height(&paths[LEFT], t), path_height(&paths[RIGHT], t), divider_s);
 }
 
-void model_powers(const Scene *scene, State *state) {
+void rope_powers(const Scene *scene, State *state) {
     const NodalArrays nodal = state_arrays(state);
     state->power_ends = state->power_swivel = 0;
     for (int side = LEFT; side <= RIGHT; side++) {
@@ -174,7 +174,7 @@ static void set_energies(EnergyBalance *energy_balance, const double balance[BAL
     *energy_balance = with_energies(energy_balance, sums, contact[CONTACT_ENERGY]);
 }
 
-double model_energies(Simulator *sim, State *state) {
+double rope_energies(Simulator *sim, State *state) {
     const NodalArrays nodal = state_arrays(state);
     const System sys = rope_system(sim, state);
     const double before = energy_total(&state->energy_balance);
@@ -191,7 +191,7 @@ double largest_end_force(const NodalArrays *nodal) {
     return force;
 }
 
-void model_commit(Simulator *sim, State *state, const StepResult *trial) {
+void commit_trial(Simulator *sim, State *state, const StepResult *trial) {
     const NodalArrays nodal = state_arrays(state), *now = &sim->trial;
     System sys = rope_system(sim, state);
     const size_t size = (size_t)nodal.nodes * DOF;
@@ -200,7 +200,7 @@ void model_commit(Simulator *sim, State *state, const StepResult *trial) {
     const Coefficients method = {sim->scene.solver.rho_inf};
     const double time_shift = recentring(&method, trial->h, state->h);
     EnergyBalance *energy = &state->energy_balance;
-    const double bottom_s = model_bottom_s(&sim->scene, state->paths, state->t), speed = relative_end_speed(&nodal);
+    const double bottom_s = bottom_arc_length(&sim->scene, state->paths, state->t), speed = relative_end_speed(&nodal);
     double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], paces[2];
     for (int side = LEFT; side <= RIGHT; side++)
         paces[side] = (end_strain(&sim->scene, now->nodes, now->q, now->v, side) -
@@ -225,7 +225,7 @@ void model_commit(Simulator *sim, State *state, const StepResult *trial) {
     state->h = trial->h;
     state->errors = add_errors(&sim->scene, &state->errors, bottom_s, speed, h, local_error(&method, 1, 1), paces,
                                trial->error, largest_end_force(&nodal));
-    model_powers(&sim->scene, state);
+    rope_powers(&sim->scene, state);
     if (!trial->near) sys.obstacles = NULL;
     set_energies(energy, trial->balance, &sys, nodal.q, nodal.v);
     const double taken[] = {losses[0], losses[1], contact[CONTACT_DISSIPATED], contact[CONTACT_MOVED]};

@@ -5,16 +5,16 @@
 #include "generalized_alpha.h"
 #include "state_structures.h"
 
-StepResult model_trial(Simulator *sim, State *state, double h);
-void model_restart(Simulator *sim, State *state);
+StepResult compute_trial(Simulator *sim, State *state, double h);
+void restart_motion(Simulator *sim, State *state);
 double largest_end_force(const NodalArrays *nodal); /* Return the largest component, N. */
-void model_commit(Simulator *sim, State *state, const StepResult *trial);
-void model_powers(const Scene *scene, State *state);
-double model_energies(Simulator *sim, State *state); /* Update energies; return the change of their total. */
+void commit_trial(Simulator *sim, State *state, const StepResult *trial);
+void rope_powers(const Scene *scene, State *state);
+double rope_energies(Simulator *sim, State *state); /* Update energies; return the change of their total. */
 /* Return the arc length of the loop's lowest point from the heights of the ends at t. */
-double model_bottom_s(const Scene *scene, const Path paths[2], double t);
+double bottom_arc_length(const Scene *scene, const Path paths[2], double t);
 /* Call mesh_dividers with the heights of the ends at t. */
-void model_dividers(const Scene *scene, const Path paths[2], double t, double *divider_s);
+void dividers_on_rope(const Scene *scene, const Path paths[2], double t, double *divider_s);
 /* Refer frames and angles of q, v, a, b to q. */
 void update_angles(Simulator *sim, State *state, double *q, double *v, double *a, double *b);
 void begin_audit(const Simulator *sim, State *state);

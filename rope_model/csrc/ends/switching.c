@@ -49,7 +49,7 @@ void release_swivels(Simulator *sim, State *state) {
         }
     }
     if (!changed) return;
-    model_restart(sim, state);
+    restart_motion(sim, state);
     const NodalArrays nodal = state_arrays(state);
     if (excess(&sim->scene, state, state->t, &nodal) >= 0) switch_swivels(sim, state);
 }
@@ -69,7 +69,7 @@ typedef struct {
 static double excess_after(void *data, double h) {
     EventSearch *search = data;
     if (search->iterations >= search->allowed) return -1; /* ends at the earliest time known to be past the event */
-    const StepResult trial = model_trial(search->sim, search->state, h);
+    const StepResult trial = compute_trial(search->sim, search->state, h);
     search->iterations += trial.newton.iterations;
     return trial.converged ? excess(&search->sim->scene, search->state, trial.t, &search->sim->trial) : INFINITY;
 }
@@ -87,7 +87,7 @@ Switching switching_step(Simulator *sim, State *state, StepResult *trial) {
     double at_start = excess(&sim->scene, state, state->t, &nodal);
     if (at_start >= 0) at_start = -1e-12; /* the rate of a slip that has just begun is zero */
     const double h = locate(excess_after, &search, 0, trial->t - state->t, at_start, at_end, EVENT_WIDTH);
-    *trial = model_trial(sim, state, h);
+    *trial = compute_trial(sim, state, h);
     state->counts.newton += search.iterations + trial->newton.iterations;
     state->counts.given_up += search.iterations >= search.allowed;
     return trial->converged ? SWITCHES : NOT_FOUND;
@@ -104,7 +104,7 @@ static SwivelState next_phase(Simulator *sim, const State *state, const SwivelSt
         double relative[2];
         ends_relative(trial, side, trial->t, end_row(nodal.q, nodal.nodes, side)[ANGLE], 0, relative);
         now = trial->swivels[side] = (SwivelState){.angle = relative[0], .phase = STICK};
-        model_restart(sim, trial);
+        restart_motion(sim, trial);
         if (excess_of(&sim->scene, trial, side, trial->t, &nodal) < 0) return now;
     }
     now.phase = SLIP;
@@ -135,7 +135,7 @@ void switch_swivels(Simulator *sim, State *state) {
     }
     if (restarted) return;
     memcpy(state->swivels, swivels, sizeof swivels);
-    model_restart(sim, state);
+    restart_motion(sim, state);
 }
 
 Phases phases_of(const State *state) {
@@ -160,7 +160,7 @@ void set_phases(Simulator *sim, State *state, const Phases *phases) {
         now->phase = phases->phase[side];
         now->sign = phases->sign[side];
     }
-    if (changed) model_restart(sim, state);
+    if (changed) restart_motion(sim, state);
 }
 
 bool chatters(const State *state) {

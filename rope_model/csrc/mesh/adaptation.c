@@ -29,7 +29,7 @@
 
 /* Enter the energy change of a transformation into the energy balance. */
 static void add_energy_change(Simulator *sim, State *state) {
-    const double before = state->energy_balance.kinetic, change = model_energies(sim, state);
+    const double before = state->energy_balance.kinetic, change = rope_energies(sim, state);
     const double kinetic = state->energy_balance.kinetic - before;
     state->energy_balance.transformations += change;
     record_event(state, TRANSFORMED, 0, kinetic, change - kinetic);
@@ -85,10 +85,10 @@ static int on_partition(Simulator *sim, State *state, int direction, const doubl
 int transform_if_due(Simulator *sim, State *state) {
     /* A step that is taken again transforms when the recorded one did. */
     const Path *paths = sim->replay.repeating ? sim->replay.paths : state->paths;
-    const double bottom_s = model_bottom_s(&sim->scene, paths, state->t);
+    const double bottom_s = bottom_arc_length(&sim->scene, paths, state->t);
     double divider_s[DIVIDERS];
     int status = CONVERGED;
-    model_dividers(&sim->scene, paths, state->t, divider_s);
+    dividers_on_rope(&sim->scene, paths, state->t, divider_s);
     while (status == CONVERGED) {
         const int direction = (int)transformation_due(&state->pattern, bottom_s, DUE_EARLY);
         if (direction == 0 && !window_due(&state->pattern, divider_s)) break;
@@ -114,7 +114,7 @@ RopeStatus raise_fidelity(Simulator *sim, State *state, const char *why, char *m
     record_event(state, RAISED, state->fidelity, 0, 0);
     rope_system_refer(sim, state, nodal.q);
     if (was != RIGID && !carries_torque(&sim->scene)) {
-        model_restart(sim, state);
+        restart_motion(sim, state);
         return ROPE_DONE;
     }
     if (was == RIGID && !flexible_start(sim, state, message)) return ROPE_FAILED;
@@ -122,8 +122,8 @@ RopeStatus raise_fidelity(Simulator *sim, State *state, const char *why, char *m
         memcpy(nodal.reaction, sim->trial.reaction, sizeof(double) * (size_t)nodal.nodes * DOF);
     else
         update_angles(sim, state, nodal.q, nodal.v, nodal.a, nodal.b);
-    model_restart(sim, state);
-    state->energy_balance.transformations += model_energies(sim, state);
+    restart_motion(sim, state);
+    state->energy_balance.transformations += rope_energies(sim, state);
     if (start_hysteresis(sim->wires, state)) rope_system_refer(sim, state, nodal.q);
     return ROPE_DONE;
 }

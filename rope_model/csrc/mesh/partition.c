@@ -71,7 +71,7 @@ Mesh fit_mesh(const Scene *scene) {
 
 /* Write the element lengths of a leg from the end of the rope on, as long as `growth` allows at their distances from
    end and loop; return their number.  Leg, growth and lengths are in units of l; lengths may be NULL. */
-static int leg(int units, double growth, double *lengths, int stride) {
+static int leg_lengths(int units, double growth, double *lengths, int stride) {
     int count = 0;
     for (int begin = 0, size; begin < units; begin += size, count++) {
         size = 1;
@@ -89,7 +89,7 @@ static int leg(int units, double growth, double *lengths, int stride) {
 static int leg_elements(int units, double growth) {
     int most = growth > 0 ? 0 : units;
     for (int first = 1; growth > 0 && first <= units / 2; first++) {
-        int count = leg(first, growth, NULL, 0) + leg(units - first, growth, NULL, 0);
+        int count = leg_lengths(first, growth, NULL, 0) + leg_lengths(units - first, growth, NULL, 0);
         most = count > most ? count : most;
     }
     return most;
@@ -119,8 +119,9 @@ static void divide(double *lengths, int stride, int count, int k, int parts) {
 
 /* Write both legs from their ends on; return the number of elements on the left.  Spare elements refine first the
    windows, then the longest elements, never the outermost. */
-static int legs(int first, int last, double growth, int elements, const int *windows, double *left, double *right) {
-    int counts[2] = {leg(first, growth, left, 1), leg(last, growth, right, -1)};
+static int both_leg_lengths(int first, int last, double growth, int elements, const int *windows, double *left,
+                            double *right) {
+    int counts[2] = {leg_lengths(first, growth, left, 1), leg_lengths(last, growth, right, -1)};
     int spare = elements - counts[0] - counts[1];
     for (int side = 0; side < 2; side++)
         for (int k = counts[side] - 1; k > 0; k--)
@@ -180,7 +181,7 @@ static int fill_inner(const int *counts, double *lengths) {
 
 /* Write the lengths of the outermost coarse element, refined towards the end: 2^-levels twice, ..., 1/4, 1/2 of it,
    each divided to at most `longest`; return the number of elements. */
-static int end(int levels, double longest, double *lengths, int stride) {
+static int end_lengths(int levels, double longest, double *lengths, int stride) {
     int n = 0;
     for (int k = 0; k <= levels; k++) {
         const double size = ldexp(1.0, k == 0 ? -levels : k - 1 - levels), each = fmin(size, longest);
@@ -190,26 +191,27 @@ static int end(int levels, double longest, double *lengths, int stride) {
     return n;
 }
 
-static void tmn(const Pattern *pattern, int elements, double *lengths) {
+static void tmn_lengths(const Pattern *pattern, int elements, double *lengths) {
     double coarse = pattern->coarse;
     const int *counts = pattern->counts;
     int first = counts[0] > 1 ? counts[0] : 1, last = counts[SEGMENTS - 1] > 1 ? counts[SEGMENTS - 1] : 1;
     const double growth = pattern->grading_length / coarse, fine = fine_share(counts + 1);
-    const int levels = pattern->end_levels, least = leg(first, growth, NULL, 0) + leg(last, growth, NULL, 0);
+    const int levels = pattern->end_levels,
+              least = leg_lengths(first, growth, NULL, 0) + leg_lengths(last, growth, NULL, 0);
     /* Where the pattern is cut off, the loop bends the rope up to its end. */
     double longest[2] = {counts[0] < 1 ? fine : 1, counts[SEGMENTS - 1] < 1 ? fine : 1};
     int ends[2], both;
     for (;;) {
-        for (int side = 0; side < 2; side++) ends[side] = end(levels, longest[side], NULL, 0) - 1;
+        for (int side = 0; side < 2; side++) ends[side] = end_lengths(levels, longest[side], NULL, 0) - 1;
         both = elements - ends[0] - ends[1] - fill_inner(counts, NULL);
         if (both >= least) break;
         longest[0] = longest[1] = 1;
     }
 
     double *left = lengths + ends[0], *right = lengths + elements - 1 - ends[1];
-    fill_inner(counts, left + legs(first, last, growth, both, pattern->windows, left, right));
-    end(levels, longest[0], lengths, 1);
-    end(levels, longest[1], lengths + elements - 1, -1);
+    fill_inner(counts, left + both_leg_lengths(first, last, growth, both, pattern->windows, left, right));
+    end_lengths(levels, longest[0], lengths, 1);
+    end_lengths(levels, longest[1], lengths + elements - 1, -1);
     for (int k = 0; k < elements; k++) lengths[k] *= coarse;
 }
 
@@ -246,14 +248,14 @@ void partition(const Mesh *mesh, double length, double bottom_s, const double *d
     for (int k = 0; k < SEGMENTS - 2; k++) pattern->counts[k + 1] = mesh->counts[k];
     pattern->counts[SEGMENTS - 1] = (int)(outer - first);
     place_windows(pattern, divider_s);
-    tmn(pattern, elements, lengths);
+    tmn_lengths(pattern, elements, lengths);
 }
 
 void partition_transform(Pattern *pattern, int direction, const double *divider_s, int elements, double *lengths) {
     pattern->counts[0] += direction;
     pattern->counts[SEGMENTS - 1] -= direction;
     place_windows(pattern, divider_s);
-    tmn(pattern, elements, lengths);
+    tmn_lengths(pattern, elements, lengths);
 }
 
 void arc_lengths(int elements, const double *lengths, double *s) {

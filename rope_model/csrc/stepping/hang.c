@@ -45,7 +45,7 @@ static RopeStatus equilibrium_in_frame(Simulator *sim, State *state, double max_
     double *const moving[] = {nodal.v, nodal.a, nodal.b, nodal.a_rate};
     for (size_t k = 0; k < sizeof moving / sizeof *moving; k++) memset(moving[k], 0, bytes);
     state->h = 0;
-    model_energies(sim, state);
+    rope_energies(sim, state);
     /* A yaw psi of the loop turns the frame of the right end by -2 psi.  This counts full turns. */
     state->loop_yaw -= 0.5 * (state->offsets[RIGHT] - offset);
     update_loop_yaw(state);

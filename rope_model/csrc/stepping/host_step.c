@@ -30,7 +30,7 @@ static InputFilter follow_end(const State *before, const FilterSettings *setting
 /* Update the misfit of an end up to the stop of its path. */
 static void account_end(const Scene *scene, const State *before, State *state, const FilterSettings *settings, int side,
                         const InputFilter *now) {
-    const double bottom_s = model_bottom_s(scene, before->paths, before->t);
+    const double bottom_s = bottom_arc_length(scene, before->paths, before->t);
     const double leg = side == LEFT ? bottom_s : scene->rope.length - bottom_s;
     state->filters[side] = add_misfit(now, &state->paths[side], settings, &scene->rope, leg);
 }

@@ -31,7 +31,8 @@ typedef struct {
 
 static double due_at(void *data, double time) {
     const DueContext *context = data;
-    return distance_past_limit(&context->state->pattern, model_bottom_s(context->scene, context->state->paths, time));
+    return distance_past_limit(&context->state->pattern,
+                               bottom_arc_length(context->scene, context->state->paths, time));
 }
 
 /* Return the end of the coming steps: the host's, a release, or a transformation that a step would pass too far. */
@@ -66,7 +67,7 @@ static RopeStatus accepted_step(Simulator *sim, State *state, double stop, StepR
     double h = (stop - state->t) / parts;
     bool rejected = false;
     for (;;) {
-        *trial = model_trial(sim, state, h);
+        *trial = compute_trial(sim, state, h);
         state->counts.newton += trial->newton.iterations;
         if (trial->converged && trial->error_ratio <= ACCEPT_BELOW * solver->tolerance) break;
         if (trial->converged && stop - state->t > 0.5 * h * (double)steps_left(sim->newton_limit, state)) {
@@ -117,7 +118,7 @@ static void record_step(Replay *replay, const State *state, double h, int correc
 static RopeStatus rigid_step(Simulator *sim, State *state, double t_end, char *message) {
     const double h = t_end - state->t, before = state->power_ends;
     if (!as_rigid(sim, state, t_end, message)) return ROPE_FAILED;
-    model_powers(&sim->scene, state);
+    rope_powers(&sim->scene, state);
     state->energy_balance.work_ends += 0.5 * h * (before + state->power_ends);
     const NodalArrays nodal = state_arrays(state);
     state->errors.time += h;
@@ -150,7 +151,7 @@ RopeStatus step_towards(Simulator *sim, State *state, double t_end, char *messag
             return say_step_to_event_fails(message, NEWTON_MESSAGES[trial.newton.status]);
         state->counts.rejections += 1;
     }
-    model_commit(sim, state, &trial);
+    commit_trial(sim, state, &trial);
     state->step_next = step_next;
     state->counts.steps += 1;
     if (reaches && trial.t == end) state->t = stop; /* without rounding error */
@@ -170,10 +171,10 @@ RopeStatus repeat_step(Simulator *sim, State *state, const TakenStep *step, char
         return say_transformation_fails(message, sim->scene.solver.step_min, NEWTON_MESSAGES[transformed]);
     set_phases(sim, state, &step->during);
     sim->replay.corrections = step->corrections;
-    const StepResult trial = model_trial(sim, state, step->h);
+    const StepResult trial = compute_trial(sim, state, step->h);
     if (!trial.converged)
         return say_step_fails(message, step->h, sim->scene.solver.step_min, NEWTON_MESSAGES[trial.newton.status]);
-    model_commit(sim, state, &trial);
+    commit_trial(sim, state, &trial);
     state->t = step->t;
     set_phases(sim, state, &step->after);
     return ROPE_DONE;
