@@ -25,7 +25,7 @@ def main() -> int:
     parser.add_argument(
         "--relation", default="", choices=["", *RELATIONS], help="this relation alone"
     )
-    parser.add_argument("--without", default="", help="features to be left out, between blanks")
+    parser.add_argument("--without", default="", help="features to be left out, between commas")
     parser.add_argument(
         "--log", action="store_true", help=f"add what was found to {LOG.relative_to(ROOT)}"
     )
@@ -35,8 +35,9 @@ def main() -> int:
     begun = time.monotonic()
     if options.case is not None:
         names = [options.relation] if options.relation else list(RELATIONS)
+        without = frozenset(filter(None, options.without.split(",")))
         for name in names:
-            hunt.case(options.case, name, frozenset(options.without.split()), shrink=False)
+            hunt.case(options.case, name, without, shrink=False)
         _tell(hunt.findings)
         print(hunt.table())
         print("\n".join(f"refused: {words}" for words in hunt.refusals))

@@ -68,7 +68,7 @@ class Outcome:
         """The command that shows it again."""
         command = f"make hunt SEED={self.seed} CASE={self.number} RELATION={self.relation}"
         if self.without:
-            command += f' WITHOUT="{" ".join(sorted(self.without))}"'
+            command += f' WITHOUT="{",".join(sorted(self.without))}"'
         return command
 
 
