@@ -209,7 +209,7 @@ def _export(options: argparse.Namespace) -> int:
 
 def _data(case: Case, name: str, set_values: Mapping[str, Any]) -> list[Datum]:
     """Return the hoist's data with their statuses; `set_values` replace those of its file."""
-    from hoist_demo.report.hoist import hoist_provenance
+    from hoist_demo.run.complete_file import hoist_provenance
     from hoist_demo.run.provenance import SETTING
 
     rows = hoist_provenance(case, name, set_values)
@@ -290,10 +290,10 @@ def _hoist(
     if case.distinct_ropes and not options.ssp:
         raise ValueError(f"{options.hoist} has several ropes, and an FMU has one: add --ssp")
     # slow imports
-    from hoist_demo.run.data import build, from_landing
+    from hoist_demo.run.data import build
     from hoist_demo.run.ropes import ropes_of
 
-    run = from_landing(build(options.hoist, set_values))
+    run = build(options.hoist, set_values).as_single_trip()
     trajectory = None
     if options.ssp and run.controller != CONTROLLER.start:
         drive = replace(run, winding=replace(run.winding, start_delay=0.0)).design()

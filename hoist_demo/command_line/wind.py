@@ -38,7 +38,7 @@ from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.ropes import computed
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.report.rows import Report, SummaryRow, render, render_verdict
-from hoist_demo.run.data import RunData, build, contradictions, fmu_part, from_landing
+from hoist_demo.run.data import RunData, build, contradictions, fmu_part
 from hoist_demo.run.probe import Probe
 from hoist_demo.run.provenance import host_provenance
 from hoist_demo.run.ropes import OneRope, Ropes, ropes_of
@@ -147,7 +147,7 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         identified = {}
     overrides = {key: entry.value for key, entry in identified.items()} | set_here
     values = _winding(options, case) | overrides
-    run = from_landing(build(options.hoist, values))
+    run = build(options.hoist, values).as_single_trip()
     for remark in case.remarks:
         print(f"balance-rope: {remark}", file=sys.stderr)
     statuses = {key: entry.status for key, entry in identified.items()}
