@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose
 
 from hoist_demo.cases.case import BUILTIN_HOISTS, FOLDER, Case
 from hoist_demo.cases.hoist_file import HoistFile, schema
-from hoist_demo.cases.rules import TAIL_SPARE, with_values
+from hoist_demo.cases.rules import LENGTH, RULES, TAIL_SPARE, RuleInputs, with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.main import main
 from hoist_demo.design.hoist_checks import HoistCheck, checks
@@ -470,6 +470,30 @@ def test_a_hoist_like_another_has_its_values_but_those_it_names(tmp_path: Path) 
     assert case.rope["rope.mass_per_length"] != own.rope["rope.mass_per_length"]
     with pytest.raises(FileError, match="break the circle"):
         find_case(str(written(tmp_path / "c.toml", 'name = "c"\nlike = "c.toml"\n')))
+
+
+def test_a_rule_prints_the_number_that_it_uses() -> None:
+    case = find_case("kiruna-355")
+    inputs = RuleInputs(case.hoist, case.winding, case.hoist)
+    rules = {rule.key: rule for rule in (LENGTH, *RULES)}
+
+    def printed(key: str) -> float:
+        """The only number in the words of a rule."""
+        words = rules[key].expression.replace("m2/s2", "").replace("1/s", "").split()
+        (found,) = (
+            float(word) for word in words if word.replace("e+", "").replace(".", "").isdigit()
+        )
+        return found
+
+    values = {key: float(rule.value(inputs)) for key, rule in rules.items()}
+    hoist = case.hoist
+    assert values["rope.length"] == hoist.shaft_travel + printed("rope.length")
+    key = "hoist.head_rope_stiffness"
+    assert values[key] == printed(key) * hoist.head_rope_mass
+    assert values["hoist.torque_limit"] == printed("hoist.torque_limit") * inputs.torque()
+    assert values["gains.speed"] == printed("gains.speed") * hoist.moving_mass
+    assert values["gains.integral_time"] == printed("gains.integral_time")
+    assert values["gains.position"] == printed("gains.position")
 
 
 def problems(case: Case) -> list[str]:
