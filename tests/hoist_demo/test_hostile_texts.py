@@ -37,7 +37,8 @@ from hoist_demo.report.html import page
 from hoist_demo.report.html.study import study_report
 from hoist_demo.report.markdown import render_markdown
 from hoist_demo.report.rows import Report, SummaryRow
-from hoist_demo.report.verdict import Verdict, VerdictRow
+from hoist_demo.report.verdict import Verdict
+from hoist_demo.report.verdict_row import VerdictRow
 from hoist_demo.run.provenance import SourcedValue, write_data
 from hoist_demo.study.definition import read_study
 from hoist_demo.study.store import Store
