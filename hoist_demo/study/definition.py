@@ -23,7 +23,7 @@ from pydantic import (
 )
 
 from hoist_demo.cases.run_values import FileHeader, Values
-from hoist_demo.cases.table import NATIVE, find_case, fmu_name
+from hoist_demo.cases.table import NATIVE_ENDING, find_case, fmu_name
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs
 from hoist_demo.design.tuning import Plan
@@ -126,7 +126,7 @@ def _constraints(table: Table) -> tuple[Constraint, ...]:
 class StudyHeader(FileHeader):
     """Table [study] at the head of a study's file."""
 
-    fmu: Text = Field("", description="the rope; else what export --native makes of the hoist")
+    fmu: Text = Field("", description="the rope; else what export makes of the hoist")
     signals: tuple[Text, ...] = ()
     minimise: Weights = None
     maximise: Weights = None
@@ -388,7 +388,7 @@ def read_study(path: Path, fmu: Path | None = None, progress: CheckProgress = li
     with errors_of_file(path):
         header = file.study
         _require_one_rope(header.hoist)
-        rope = fmu or Path(header.fmu or f"build/{fmu_name(header.hoist, NATIVE)}")
+        rope = fmu or Path(header.fmu or f"build/{fmu_name(header.hoist, NATIVE_ENDING)}")
         with Problems() as problems:
             with problems.at("study"):
                 available = [*DRIVE_UNITS, *read_outputs(rope, header.hoist)]

@@ -23,7 +23,7 @@ from fmu_src.interface import Variable
 from fmu_src.model_description import Build, model_description, model_description3
 from fmu_src.native.table import c_table
 from fmu_src.profile import scalars
-from fmu_src.ssp import export_ssp
+from fmu_src.ssp import System, export_ssp
 from fmu_src.xml import xml_bytes
 from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.page import write_rope_file
@@ -174,7 +174,7 @@ def test_model_descriptions_are_xml_with_the_texts(fmi: int) -> None:
 
 def test_a_system_is_xml_with_the_texts(tmp_path: Path) -> None:
     for text in HOSTILE:
-        path = export_ssp(tmp_path / "system.ssp", text, [], 1.0, 0.01, text)
+        path = export_ssp(tmp_path / "system.ssp", [], System(text, 1.0, 0.01, text))
         system = ElementTree.fromstring(read_archive(path)["SystemStructure.ssd"])
         assert {system.get("name"), system[0].get("name"), system[0].get("description")} == {
             xml_text(text)
