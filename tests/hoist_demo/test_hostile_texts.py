@@ -41,7 +41,7 @@ from hoist_demo.report.verdict import Verdict
 from hoist_demo.report.verdict_row import VerdictRow
 from hoist_demo.run.provenance import SourcedValue, write_data
 from hoist_demo.study.definition import read_study
-from hoist_demo.study.store import Store
+from hoist_demo.study.store import Results, Store
 from hoist_demo.uncertainty.definition import UncertaintyFile
 from rope_model import Datum
 from rope_model.compiler import find_compiler
@@ -210,7 +210,7 @@ def _study_page(text: str, folder: Path) -> str:
     )
     table["cause"] = ["", text]
     meta = {"title": text, "parameters": ["variant"], "study file": text, text: text}
-    return study_report(table, {text: text}, meta, folder / "study.html").read_text(
+    return study_report(Results(table, {text: text}), meta, folder / "study.html").read_text(
         encoding="utf-8"
     )
 
@@ -259,7 +259,7 @@ def test_a_browser_makes_no_element_of_a_text(tmp_path: Path) -> None:
     )
     table.loc[1::2, "cause"] = table["variant"]
     meta = {"title": CLOSES_THE_TABLE, "parameters": ["variant"]}
-    study = study_report(table, dict.fromkeys(HOSTILE, "m"), meta, tmp_path / "study.html")
+    study = study_report(Results(table, dict.fromkeys(HOSTILE, "m")), meta, tmp_path / "study.html")
     speeds = table["speed"].to_numpy()[np.arange(301) % 50]
     winding = run(tmp_path, **dict.fromkeys(HOSTILE, speeds))
     for path in (study, winding):
