@@ -66,6 +66,18 @@ def add_export(commands: Commands) -> None:
         "C compiler or ziglang, some 10 s per platform, a second version of FMI some more; "
         "--platform host makes it short.",
     )
+    _add_kinds(export)
+    _add_start_values(export)
+    _add_description(export)
+    _add_system(export)
+    export.add_argument(
+        "--out", type=nonempty_path, help=f"the .fmu to write, or a folder ({BUILD})"
+    )
+    export.set_defaults(run=_export)
+
+
+def _add_kinds(export: argparse.ArgumentParser) -> None:
+    """Add the options on flavour, version of FMI and platforms."""
     export.add_argument("--python", action="store_true", help="the Python flavour")
     export.add_argument(
         "--native",
@@ -83,6 +95,10 @@ def add_export(commands: Commands) -> None:
         help=f"platforms of the libraries: host, {', '.join(PLATFORMS)} (all that can be built "
         "here)",
     )
+
+
+def _add_start_values(export: argparse.ArgumentParser) -> None:
+    """Add the hoist and the options that change its start values."""
     export.add_argument(
         "hoist",
         nargs="?",
@@ -111,6 +127,10 @@ def add_export(commands: Commands) -> None:
         choices=tuple(LEVELS),
         help="accuracy against speed, see docs/howto/accuracy.md (that of the hoist)",
     )
+
+
+def _add_description(export: argparse.ArgumentParser) -> None:
+    """Add the options on what the FMU shows of itself."""
     export.add_argument(
         "--outputs",
         nargs="+",
@@ -132,6 +152,10 @@ def add_export(commands: Commands) -> None:
         help="model identifier of a native FMU: C functions of its sources and its libraries "
         "begin with it, and FMUs that are linked into one program must differ in it (%(default)s)",
     )
+
+
+def _add_system(export: argparse.ArgumentParser) -> None:
+    """Add the options of the system."""
     export.add_argument(
         "--ssp",
         action="store_true",
@@ -152,10 +176,6 @@ def add_export(commands: Commands) -> None:
         help=f"leave this out of the system: {', '.join(OMITTABLE)}; without it, what a system "
         "cannot hold is refused",
     )
-    export.add_argument(
-        "--out", type=nonempty_path, help=f"the .fmu to write, or a folder ({BUILD})"
-    )
-    export.set_defaults(run=_export)
 
 
 class _Wanted(NamedTuple):
