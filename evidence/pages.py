@@ -162,7 +162,8 @@ def fill(block: Block, docs: Path = DOCS) -> Path:
 
 def publish(page: Page, docs: Path = DOCS) -> list[Path]:
     """Write text and figures from the data in ``docs``; return the files written."""
-    data, written = tables(page, docs), [docs / page.file]
+    data = tables(page, docs)
+    written = [docs / page.file]
     written[0].write_text(page_text(page, docs), encoding="utf-8")
     for name, draw in page.figures.items():
         written.append(docs / "images" / page.data / f"{name}.png")

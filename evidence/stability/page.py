@@ -56,7 +56,8 @@ def _summary(t: Table, entry: Entry) -> tuple[str, ...]:
 def draw(tables: Tables, key: str) -> Figure:
     """Draw the recorded curves of an entry."""
     made, axes = figure(1, 1, 3.6)
-    ax, t = axes[0, 0], tables[key]
+    ax = axes[0, 0]
+    t = tables[key]
     _, x, y = t
     title, logarithmic = TITLES[key]
     for k, name in enumerate(dict.fromkeys(t["curve"].tolist())):

@@ -66,7 +66,8 @@ def _exudyn(f: Table, w: Table) -> Iterator[Row]:
         np.abs(values[i] / values[ours & (f["height_m"] == f["height_m"][i])] - 1).max()
         for i in range(ours.size)
     )
-    source, test = "Exudyn: 120 m, no coupling", "make validate"
+    source = "Exudyn: 120 m, no coupling"
+    test = "make validate"
     what = "in-plane frequencies, ends 0 and 80 m apart in height: deviation"
     yield Row("X-1", "code", source, what, float(off), "1", 2e-3, test)
     finest = (w["code"] == "ours") & (w["force_error_vs_ours"] == 0)

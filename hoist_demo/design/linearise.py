@@ -221,15 +221,11 @@ class LinearHoist:
 def _derivatives(structure: Hoist) -> Any:
     """(x, a, u, l0, p) -> derivatives of Lagrange's rows and tensions, rates and outputs to x, a and u; values."""
     of = equations(structure)
-    x, a = (
-        ca.SX.sym("x", len(state_names(structure))),
-        ca.SX.sym("a", 3 + len(extra_coordinates(structure))),
-    )
-    u, l0, p = (
-        ca.SX.sym("u", len(INPUT_NAMES)),
-        ca.SX.sym("l0", 2),
-        ca.SX.sym("p", len(structure.numbers)),
-    )
+    x = ca.SX.sym("x", len(state_names(structure)))
+    a = ca.SX.sym("a", 3 + len(extra_coordinates(structure)))
+    u = ca.SX.sym("u", len(INPUT_NAMES))
+    l0 = ca.SX.sym("l0", 2)
+    p = ca.SX.sym("p", len(structure.numbers))
     rows = ca.vertcat(of.lagrange(x, a, u, l0, p), of.rates(x, u, l0, p))
     outputs = of.outputs(x, u, l0, p)
     values = ca.vertcat(rows, *(outputs[OUTPUT_INDEX[name]] for name in _DRIVE_OUTPUTS))
@@ -250,7 +246,9 @@ def _linear_hoist(
         state = plant.equilibrium(*heights, *forces)
     else:
         state = plant.hanging_state(*heights, *forces)
-    x, names, torque = state.x.copy(), list(state_names(hoist)), float(state.x[0])
+    x = state.x.copy()
+    names = list(state_names(hoist))
+    torque = float(state.x[0])
     u = np.zeros(len(INPUT_NAMES))
     # the asked pressure counts as within its limits, where it acts
     u[INPUT_NAMES.index("brake")] = 0.5
@@ -262,7 +260,8 @@ def _linear_hoist(
                 f"the imbalance of {abs(torque):.6g} N m must be within brake.torque = {hoist.brake.torque:g} N m: "
                 "take a stronger brake"
             )
-        x[0], x[names.index("brake_pressure")] = 0.0, 1.0
+        x[0] = 0.0
+        x[names.index("brake_pressure")] = 1.0
         x[names.index("brake_deflection")] = -torque / hoist.brake.torque * hoist.brake.travel
         if hoist.drive_shaft is not None:
             x[names.index("twist")] = 0.0
@@ -288,16 +287,22 @@ def _linear_hoist(
         np.array(part) for part in derivatives(x, still, u, state.free_lengths, numbers)
     )
     # rows: Lagrange's, tensions, rates, what is shown
-    rates, shown = n + 2, n + 2 + len(names)
+    rates = n + 2
+    shown = n + 2 + len(names)
     late = [rates + k for k in lag]
     if deflection in names:  # it follows the rim: a spring
         k = names.index(deflection)
         by_x[:, q] += np.outer(by_x[:, k], by_x[rates + k, v])
     size = n + len(lag)
     M, D, K = (np.zeros((size, size)) for _ in range(3))
-    M[:n, :n], D[:n, :n], K[:n, :n], K[:n, n:] = by_a[:n], by_x[:n, v], by_x[:n, q], by_x[:n, lag]
-    D[n:, :n], D[n:, n:] = -by_x[late][:, v], np.eye(len(lag))
-    K[n:, :n], K[n:, n:] = -by_x[late][:, q], -by_x[late][:, lag]
+    M[:n, :n] = by_a[:n]
+    D[:n, :n] = by_x[:n, v]
+    K[:n, :n] = by_x[:n, q]
+    K[:n, n:] = by_x[:n, lag]
+    D[n:, :n] = -by_x[late][:, v]
+    D[n:, n:] = np.eye(len(lag))
+    K[n:, :n] = -by_x[late][:, q]
+    K[n:, n:] = -by_x[late][:, lag]
     commands = ["torque_command", *(["brake"] if held_by == "brake" else [])]
     B = np.zeros((size, len(commands) + 3))
     B[n:, : len(commands)] = by_u[late][:, [INPUT_NAMES.index(name) for name in commands]]
@@ -329,7 +334,8 @@ def _parts(
     """Return ropes and hoist at this part of the travel."""
     if not 0.0 <= at <= 1.0:
         raise ValueError(f"at = {at:g} must be within 0 and 1: it is a part of the travel")
-    left, right = at * hoist.shaft_travel, (1.0 - at) * hoist.shaft_travel
+    left = at * hoist.shaft_travel
+    right = (1.0 - at) * hoist.shaft_travel
     specs = list(specs)
     ends = EndMotion(y=left), EndMotion(y=right)
     ropes = {
@@ -385,7 +391,9 @@ def _carried(
 
 def _assembled(at: float, hung: _Hung, hoist: LinearHoist) -> LinearModel:
     """Return hoist and ropes, joined at the heights of the ends."""
-    drives, n_lags, ropes = len(hoist.coordinates), len(hoist.lags), [rope for _, rope in hung]
+    drives = len(hoist.coordinates)
+    n_lags = len(hoist.lags)
+    ropes = [rope for _, rope in hung]
     if drives:
         heights = {f"{side}.y": hoist.coordinates.index(f"y_{side}") for side in SIDES}
     else:
@@ -398,10 +406,8 @@ def _assembled(at: float, hung: _Hung, hoist: LinearHoist) -> LinearModel:
     firsts = drives + np.cumsum([0, *(np.count_nonzero(rope.free) for rope in ropes)])
     first_held = int(firsts[-1])
     first_lag = first_held + len(held)
-    total, shared = (
-        first_lag + n_lags,
-        heights | dict(zip(held, range(first_held, first_lag), strict=True)),
-    )
+    total = first_lag + n_lags
+    shared = heights | dict(zip(held, range(first_held, first_lag), strict=True))
     Ts = [
         _carried(*one, first, shared, total)
         for one, first in zip(hung, firsts.tolist(), strict=False)
