@@ -1,31 +1,26 @@
 """Linear models of hoist and balance ropes at rest or at constant speed, anywhere along the trip.
 
 The coordinates x of `linear_model` are those of the hoist, of the ropes' nodes, and of what lags behind: motor torque
-and brake. The rope's part is `rope_model.analysis.linear`, the hoist's the derivative of Lagrange's equation
-in `drive/equations.py`. Ropes and conveyances share the heights of the ends; each of n equal ropes counts n times. Rows
+and brake. The rope's part is `rope_model.analysis.linear`, the hoist's `linear_hoist`.
+Ropes and conveyances share the heights of the ends; each of n equal ropes counts n times. Rows
 of M are 0 for what lags. Sideways motion and yaw of the conveyances are given: their accelerations are inputs.
 
-The hoist is left without what has no derivative: Coulomb friction, jams, slip on the lining, play between the guides.
-A sticking brake is a spring. At constant speed the lengths of head ropes and legs are frozen.
+At constant speed the lengths of head ropes and legs are frozen.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cache
-from typing import Any, Literal, NamedTuple
+from dataclasses import replace
+from typing import Literal, NamedTuple
 
-import casadi as ca
 import numpy as np
 import scipy.sparse as sp
 
 from hoist_demo.cases.case import Case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
-from hoist_demo.design.linear_model import Array, LinearModel
-from hoist_demo.drive.equations import INPUT_NAMES, equations, extra_coordinates, state_names
-from hoist_demo.drive.outputs import OUTPUT_INDEX
-from hoist_demo.drive.plant import HoistPlant
+from hoist_demo.design.linear_hoist import HeldBy, LinearHoist, linear_hoist, smooth_hoist
+from hoist_demo.design.linear_model import LinearModel
 from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.parameters.suspension import SuspensionOffset
 from rope_model import EndMotion, Level, Scene
@@ -34,23 +29,9 @@ from rope_model.engine import NativeRope
 from rope_model.physics.elementary import sum_of
 
 Swivels = Literal["as given", "locked", "free", "sticking"]
-HeldBy = Literal["motor", "brake"]
 _MODES = {"locked": 0, "free": 1, "sticking": 2}  #: codes of swivel.mode
 #: Coordinates of an end, and places in a node's row; their accelerations are inputs but for the shared height.
 _END = {"x": 0, "y": 1, "z": 2, "yaw": 6}
-_DRIVE_OUTPUTS = (
-    "angle",
-    "rate",
-    "motor_rate",
-    "torque",
-    "y_left",
-    "y_right",
-    "v_left",
-    "v_right",
-    "pull_left",
-    "pull_right",
-)
-_TENSIONS = ("tension_left", "tension_right")
 
 
 def linearise(
@@ -91,7 +72,7 @@ def linearise(
     """
     if speed and held_by == "brake":
         raise ValueError(f"speed = {speed:g} m/s must be 0 with held_by = 'brake': take 'motor'")
-    hoist = _smooth(case.hoist, held_by)
+    hoist = smooth_hoist(case.hoist, held_by)
     specs = _rope_specs(case, swivels, level)
     return tuple(_assembled(x, *_parts(hoist, specs, x, held_by, speed)) for x in at)
 
@@ -100,7 +81,9 @@ def linearise_hoist(
     case: Case, at: float, held_by: HeldBy = "motor", level: Level = "standard"
 ) -> LinearModel:
     """Return the model of a hoist under the constant forces of ropes at rest: what a controller sees without them."""
-    _, drive = _parts(_smooth(case.hoist, held_by), _rope_specs(case, level=level), at, held_by)
+    _, drive = _parts(
+        smooth_hoist(case.hoist, held_by), _rope_specs(case, level=level), at, held_by
+    )
     M, D, K = (sp.csc_matrix(A) for A in drive.matrices)
     C, C_v, C_a = (sp.csr_matrix(A) for A in drive.maps)
     return LinearModel(
@@ -180,151 +163,6 @@ def _hung(rope: NativeRope, left: EndMotion, right: EndMotion, speed: float = 0.
     return linear_rope(rope, speed)
 
 
-def _smooth(hoist: Hoist, held_by: HeldBy) -> Hoist:
-    """Return the hoist without what has no derivative at rest."""
-    if hoist.guides is None:
-        guides = None
-    else:
-        guides = replace(hoist.guides, coulomb=0.0)
-    if held_by == "brake" and hoist.brake is None:
-        raise ValueError("held_by = 'brake' needs a hoist with a brake: fit one, or take 'motor'")
-    brake = hoist.brake if held_by == "brake" else None
-    parts: dict[str, Any] = {"guides": guides, "brake": brake, "lining": None, "play": None}
-    return replace(hoist, loss_coulomb=0.0, jam_left=None, jam_right=None, **parts)
-
-
-@dataclass(frozen=True)
-class LinearHoist:
-    """Linear model of the hoist: `coordinates` first, then `lags`. Matrices are dense, (coordinates + lags) square."""
-
-    coordinates: tuple[str, ...]
-    lags: tuple[str, ...]
-    matrices: tuple[Array, Array, Array]  # M, D, K
-    inputs: tuple[str, ...]
-    B: Array
-    outputs: tuple[str, ...]
-    maps: tuple[Array, Array, Array]
-    through: Array
-    rest_inputs: Array
-    rest_outputs: Array
-
-    @staticmethod
-    def none() -> LinearHoist:
-        """Return an empty model, for a rope alone."""
-        empty = np.zeros((0, 0))
-        return LinearHoist(
-            (), (), (empty,) * 3, (), empty, (), (empty,) * 3, empty, np.zeros(0), np.zeros(0)
-        )
-
-
-@cache
-def _derivatives(structure: Hoist) -> Any:
-    """(x, a, u, l0, p) -> derivatives of Lagrange's rows and tensions, rates and outputs to x, a and u; values."""
-    of = equations(structure)
-    x = ca.SX.sym("x", len(state_names(structure)))
-    a = ca.SX.sym("a", 3 + len(extra_coordinates(structure)))
-    u = ca.SX.sym("u", len(INPUT_NAMES))
-    l0 = ca.SX.sym("l0", 2)
-    p = ca.SX.sym("p", len(structure.numbers))
-    rows = ca.vertcat(of.lagrange(x, a, u, l0, p), of.rates(x, u, l0, p))
-    outputs = of.outputs(x, u, l0, p)
-    values = ca.vertcat(rows, *(outputs[OUTPUT_INDEX[name]] for name in _DRIVE_OUTPUTS))
-    jacobians = [ca.densify(ca.jacobian(values, z)) for z in (x, a, u)]
-    return ca.Function("derivatives", [x, a, u, l0, p], [ca.cse(y) for y in (*jacobians, values)])
-
-
-def _linear_hoist(
-    hoist: Hoist,
-    heights: tuple[float, float],
-    forces: tuple[float, float],
-    held_by: HeldBy,
-    speed: float,
-) -> LinearHoist:
-    """Return the hoist's part with its conveyances at these heights and this speed, under forces of one rope."""
-    plant = HoistPlant(hoist, "portable")
-    if held_by == "motor":
-        state = plant.equilibrium(*heights, *forces)
-    else:
-        state = plant.hanging_state(*heights, *forces)
-    x = state.x.copy()
-    names = list(state_names(hoist))
-    torque = float(state.x[0])
-    u = np.zeros(len(INPUT_NAMES))
-    # the asked pressure counts as within its limits, where it acts
-    u[INPUT_NAMES.index("brake")] = 0.5
-    u[INPUT_NAMES.index("force_left")], u[INPUT_NAMES.index("force_right")] = forces
-    if held_by == "brake":
-        assert hoist.brake is not None
-        if abs(torque) > hoist.brake.torque:
-            raise ValueError(
-                f"the imbalance of {abs(torque):.6g} N m must be within brake.torque = {hoist.brake.torque:g} N m: "
-                "take a stronger brake"
-            )
-        x[0] = 0.0
-        x[names.index("brake_pressure")] = 1.0
-        x[names.index("brake_deflection")] = -torque / hoist.brake.torque * hoist.brake.travel
-        if hoist.drive_shaft is not None:
-            x[names.index("twist")] = 0.0
-    u[0] = x[0]
-
-    coordinates = ("phi", "y_left", "y_right", *extra_coordinates(hoist))
-    n = len(coordinates)
-    short = {"phi": "phi_rate", "y_left": "v_left", "y_right": "v_right"}
-    q = [names.index(name) for name in coordinates]
-    v = [names.index(short.get(name, f"{name}_rate")) for name in coordinates]
-    deflection = "brake_deflection"
-    x[v[:3]] = speed / hoist.sheave_radius, speed, -speed
-    lag = [k for k, name in enumerate(names) if k not in (*q, *v) and name != deflection]
-    numbers = hoist.numbers
-    derivatives = _derivatives(hoist.equation_structure)
-    still = np.zeros(n)
-    if speed:  # the motor makes up for the losses
-        by_x, _, _, values = (
-            np.array(part) for part in derivatives(x, still, u, state.free_lengths, numbers)
-        )
-        u[0] = x[0] = x[0] - values[0, 0] / by_x[0, 0]
-    by_x, by_a, by_u, values = (
-        np.array(part) for part in derivatives(x, still, u, state.free_lengths, numbers)
-    )
-    # rows: Lagrange's, tensions, rates, what is shown
-    rates = n + 2
-    shown = n + 2 + len(names)
-    late = [rates + k for k in lag]
-    if deflection in names:  # it follows the rim: a spring
-        k = names.index(deflection)
-        by_x[:, q] += np.outer(by_x[:, k], by_x[rates + k, v])
-    size = n + len(lag)
-    M, D, K = (np.zeros((size, size)) for _ in range(3))
-    M[:n, :n] = by_a[:n]
-    D[:n, :n] = by_x[:n, v]
-    K[:n, :n] = by_x[:n, q]
-    K[:n, n:] = by_x[:n, lag]
-    D[n:, :n] = -by_x[late][:, v]
-    D[n:, n:] = np.eye(len(lag))
-    K[n:, :n] = -by_x[late][:, q]
-    K[n:, n:] = -by_x[late][:, lag]
-    commands = ["torque_command", *(["brake"] if held_by == "brake" else [])]
-    B = np.zeros((size, len(commands) + 3))
-    B[n:, : len(commands)] = by_u[late][:, [INPUT_NAMES.index(name) for name in commands]]
-    B[:n, len(commands)] = -by_x[:n, 0]
-    B[1, -2] = B[2, -1] = 1.0
-    seen = [*range(n, n + 2), *range(shown, shown + len(_DRIVE_OUTPUTS))]
-    C = by_x[seen][:, [*q, *lag]]
-    C_v, C_a = (np.hstack((by[seen], np.zeros((len(seen), len(lag))))) for by in (by_x[:, v], by_a))
-    return LinearHoist(
-        coordinates,
-        tuple(names[k] for k in lag),
-        (M, D, K),
-        (*commands, "torque", "force_left", "force_right"),
-        B,
-        (*_TENSIONS, *_DRIVE_OUTPUTS),
-        (C, C_v, C_a),
-        np.zeros((len(seen), B.shape[1])),
-        np.array([x[0], *([1.0] if held_by == "brake" else []), 0.0, 0.0, 0.0]),
-        values[seen].ravel(),
-    )
-
-
 _Hung = Sequence[tuple[LinearRopeSpec, LinearRope]]
 
 
@@ -351,7 +189,7 @@ def _parts(
         / hoist.tail_rope_number
         for side in SIDES
     ]
-    return hung, _linear_hoist(hoist, (left, right), (pulls[0], pulls[1]), held_by, speed)
+    return hung, linear_hoist(hoist, (left, right), (pulls[0], pulls[1]), held_by, speed)
 
 
 def _end_coordinates(rope: LinearRope) -> dict[str, int]:
