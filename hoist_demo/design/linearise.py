@@ -26,6 +26,7 @@ from hoist_demo.parameters.suspension import SuspensionOffset
 from rope_model import EndMotion, Level, Scene
 from rope_model.analysis.linear import LinearRope, linear_rope
 from rope_model.engine import NativeRope
+from rope_model.physics.element import NODE_DOF
 from rope_model.physics.elementary import sum_of
 
 Swivels = Literal["as given", "locked", "free", "sticking"]
@@ -88,19 +89,19 @@ def linearise_hoist(
     C, C_v, C_a = (sp.csr_matrix(A) for A in drive.maps)
     return LinearModel(
         at,
-        (*drive.coordinates, *drive.lags),
-        0,
-        len(drive.lags),
-        M,
-        D,
-        K,
-        drive.inputs,
-        drive.B,
-        drive.outputs,
-        (C, C_v, C_a),
-        drive.through,
-        drive.rest_inputs,
-        drive.rest_outputs,
+        names=(*drive.coordinates, *drive.lags),
+        held=0,
+        lags=len(drive.lags),
+        mass=M,
+        damping=D,
+        stiffness=K,
+        inputs=drive.inputs,
+        B=drive.B,
+        outputs=drive.outputs,
+        maps=(C, C_v, C_a),
+        through=drive.through,
+        rest_inputs=drive.rest_inputs,
+        rest_outputs=drive.rest_outputs,
     )
 
 
@@ -194,7 +195,7 @@ def _parts(
 
 def _end_coordinates(rope: LinearRope) -> dict[str, int]:
     """Return the coordinates of a rope's ends by name."""
-    firsts = {"left": 0, "right": rope.free.size - 7}
+    firsts = {"left": 0, "right": rope.free.size - NODE_DOF}
     return {f"{side}.{name}": firsts[side] + k for side in SIDES for name, k in _END.items()}
 
 
@@ -227,77 +228,117 @@ def _carried(
     return sp.csc_matrix((values, (rows, columns)), shape=(rope.free.size, size))
 
 
-def _assembled(at: float, hung: _Hung, hoist: LinearHoist) -> LinearModel:
-    """Return hoist and ropes, joined at the heights of the ends."""
-    drives = len(hoist.coordinates)
-    n_lags = len(hoist.lags)
-    ropes = [rope for _, rope in hung]
-    if drives:
+class _Layout(NamedTuple):
+    """Order of the coordinates: the drive's, those of the ropes, held ones, those that lag."""
+
+    drives: int  # number of the drive's
+    firsts: list[int]  # first coordinate of each rope
+    heights: dict[str, int]  # shared heights of the ends, by name
+    held: list[str]
+    first_held: int
+    first_lag: int
+    total: int
+
+    @property
+    def shared(self) -> dict[str, int]:
+        """Coordinates that move ends of several ropes, by the ends' names."""
+        return self.heights | {name: self.first_held + k for k, name in enumerate(self.held)}
+
+    @property
+    def of_hoist(self) -> list[int]:
+        """Coordinates of the hoist's part, in its order."""
+        return [*range(self.drives), *range(self.first_lag, self.total)]
+
+
+def _layout(hung: _Hung, hoist: LinearHoist) -> _Layout:
+    heights = dict[str, int]()
+    if hoist.coordinates:
         heights = {f"{side}.y": hoist.coordinates.index(f"y_{side}") for side in SIDES}
-    else:
-        heights = {}
+    ropes = [rope for _, rope in hung]
     held = [
         name
         for name in _end_coordinates(ropes[0])
         if name not in heights and any(_is_moved(spec, rope, name) for spec, rope in hung)
     ]
-    firsts = drives + np.cumsum([0, *(np.count_nonzero(rope.free) for rope in ropes)])
-    first_held = int(firsts[-1])
+    drives = len(hoist.coordinates)
+    sizes = [np.count_nonzero(rope.free) for rope in ropes]
+    firsts = (drives + np.cumsum([0, *sizes])).tolist()
+    first_held = firsts.pop()
     first_lag = first_held + len(held)
-    total = first_lag + n_lags
-    shared = heights | dict(zip(held, range(first_held, first_lag), strict=True))
-    Ts = [
-        _carried(*one, first, shared, total)
-        for one, first in zip(hung, firsts.tolist(), strict=False)
-    ]
-    mine = [*range(drives), *range(first_lag, total)]
-    S = sp.csc_matrix((np.ones(len(mine)), (range(len(mine)), mine)), shape=(len(mine), total))
-    keep = sp.diags([0.0 if first_held <= k < first_lag else 1.0 for k in range(total)])
-    M, D, K = (
-        sum(
-            (
-                keep @ (spec.number * (T.T @ getattr(rope, part) @ T))
-                for (spec, rope), T in zip(hung, Ts, strict=True)
-            ),
-            keep @ (S.T @ sp.csc_matrix(H) @ S),
-        ).tocsc()
-        for part, H in zip(("mass", "damping", "stiffness"), hoist.matrices, strict=True)
+    return _Layout(
+        drives,
+        firsts,
+        heights,
+        held,
+        first_held=first_held,
+        first_lag=first_lag,
+        total=first_lag + len(hoist.lags),
     )
-    B = np.zeros((total, len(hoist.inputs) + len(held)))
-    B[mine, : len(hoist.inputs)] = hoist.B
-    B[first_held:first_lag, len(hoist.inputs) :] = np.eye(len(held))
-    C = [
-        sp.vstack(
-            [sp.csr_matrix(H) @ S, *(rope.maps[k] @ T for rope, T in zip(ropes, Ts, strict=True))]
-        ).tocsr()
-        for k, H in enumerate(hoist.maps)
+
+
+def _assembled(at: float, hung: _Hung, hoist: LinearHoist) -> LinearModel:
+    """Return hoist and ropes, joined at the heights of the ends."""
+    layout = _layout(hung, hoist)
+    total = layout.total
+    held = range(layout.first_held, layout.first_lag)
+    of_hoist = layout.of_hoist
+    ropes = [rope for _, rope in hung]
+    Ts = [
+        _carried(spec, rope, first, layout.shared, total)
+        for (spec, rope), first in zip(hung, layout.firsts, strict=True)
     ]
-    prefixed = [(f"{spec.name}." if spec.name else "", rope) for spec, rope in hung]
-    rope_coordinates = [
-        f"rope.{prefix}{k // 7}.{k % 7}"
-        for prefix, rope in prefixed
-        for k in np.flatnonzero(rope.free)
-    ]
-    names = (*hoist.coordinates, *rope_coordinates, *held, *hoist.lags)
-    outputs = [f"{prefix}{name}" for prefix, rope in prefixed for name in rope.outputs]
+    ones = np.ones(len(of_hoist))
+    S = sp.csc_matrix((ones, (range(len(of_hoist)), of_hoist)), shape=(len(of_hoist), total))
+    keep = sp.diags([0.0 if k in held else 1.0 for k in range(total)])
+    matrices = []
+    for part, H in zip(("mass", "damping", "stiffness"), hoist.matrices, strict=True):
+        whole = keep @ (S.T @ sp.csc_matrix(H) @ S)
+        for (spec, rope), T in zip(hung, Ts, strict=True):
+            whole = whole + keep @ (spec.number * (T.T @ getattr(rope, part) @ T))
+        matrices.append(whole.tocsc())
+    maps = []
+    for k, H in enumerate(hoist.maps):
+        of_ropes = [rope.maps[k] @ T for rope, T in zip(ropes, Ts, strict=True)]
+        maps.append(sp.vstack([sp.csr_matrix(H) @ S, *of_ropes]).tocsr())
+    M, D, K = matrices
+    C, C_v, C_a = maps
+    inputs = (*hoist.inputs, *layout.held)
+    B = np.zeros((total, len(inputs)))
+    B[of_hoist, : len(hoist.inputs)] = hoist.B
+    B[held, len(hoist.inputs) :] = np.eye(len(held))
+    rope_outputs = [f"{_prefix(spec)}{name}" for spec, rope in hung for name in rope.outputs]
+    through = np.zeros((len(hoist.outputs) + len(rope_outputs), len(inputs)))
+    through[: len(hoist.outputs), : len(hoist.inputs)] = hoist.through
     return LinearModel(
         at,
-        names,
-        len(held),
-        n_lags,
-        (M + sp.eye(total) - keep).tocsc(),
-        D,
-        K,
-        (*hoist.inputs, *held),
-        B,
-        (*hoist.outputs, *outputs),
-        (C[0], C[1], C[2]),
-        np.vstack(
-            (
-                np.hstack((hoist.through, np.zeros((len(hoist.outputs), len(held))))),
-                np.zeros((len(outputs), B.shape[1])),
-            )
-        ),
-        np.concatenate((hoist.rest_inputs, np.zeros(len(held)))),
-        np.concatenate((hoist.rest_outputs, *(rope.rest for rope in ropes))),
+        names=(*hoist.coordinates, *_rope_coordinates(hung), *layout.held, *hoist.lags),
+        held=len(held),
+        lags=len(hoist.lags),
+        mass=(M + sp.eye(total) - keep).tocsc(),
+        damping=D,
+        stiffness=K,
+        inputs=inputs,
+        B=B,
+        outputs=(*hoist.outputs, *rope_outputs),
+        maps=(C, C_v, C_a),
+        through=through,
+        rest_inputs=np.concatenate((hoist.rest_inputs, np.zeros(len(held)))),
+        rest_outputs=np.concatenate((hoist.rest_outputs, *(rope.rest for rope in ropes))),
     )
+
+
+def _prefix(spec: LinearRopeSpec) -> str:
+    """Return what names of one of several ropes begin with."""
+    if spec.name:
+        return f"{spec.name}."
+    return ""
+
+
+def _rope_coordinates(hung: _Hung) -> list[str]:
+    """Return the names of the ropes' free coordinates, see LinearModel."""
+    names = []
+    for spec, rope in hung:
+        for place in np.flatnonzero(rope.free).tolist():
+            node, k = divmod(place, NODE_DOF)
+            names.append(f"rope.{_prefix(spec)}{node}.{k}")
+    return names
