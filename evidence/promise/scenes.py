@@ -65,7 +65,11 @@ class Sample:
         """What happens on the way."""
         stopped = self.trip.emergency_at is not None
         released = self.scene.right.release_time > 0
-        return KINDS[1 if stopped else 2 if released else 0]
+        if stopped:
+            return KINDS[1]
+        if released:
+            return KINDS[2]
+        return KINDS[0]
 
 
 def draw(seed: int, number: int) -> Iterator[Sample]:

@@ -38,7 +38,7 @@ def page(tables: Tables) -> str:
 def _cells(row: Row, above: Row | None) -> tuple[str, ...]:
     """Return the row; a reference that is that of the row above is not repeated."""
     bound = "none" if row.shown else f"< {with_unit(row.bound, row.unit)}"
-    verdict = "" if row.shown else ", **missed**" if row.misses else ""
+    verdict = ", **missed**" if row.misses and not row.shown else ""
     return (
         row.id,
         row.kind,
