@@ -17,7 +17,7 @@ from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.recording.time_series import Recording
-from hoist_demo.run.data import build, from_landing
+from hoist_demo.run.data import build
 from rope_model.cases import ROPE_CASES, Level
 from rope_model.scene_names import Value, choices_of, named_parameters
 
@@ -46,7 +46,7 @@ def settings() -> Mapping[str, Value]:
 
 def wound(fmu: Path) -> tuple[Recording, float]:
     """Return the record of the trip with this FMU, and the time that it took (s)."""
-    run = from_landing(build(HOIST, {}))
+    run = build(HOIST, {}).as_single_trip()
     design = run.design()
     rope = FmuRope(fmu, {**run.rope_values, **settings()}, COMPARED)
     start = time.perf_counter()

@@ -49,11 +49,9 @@ STATES = (8, 12, 17, 24)
 HEIGHTS = (0.1, 0.3, 0.5, 0.7, 0.9)
 HOISTS = ("rope-120", "rope-240", "kiruna-355", "monopol-1000")
 PULSE = 0.005  #: Of the torque limit.
-_BEFORE, _LASTS, _SETTLES = (
-    1.2,
-    9.0,
-    3.0,
-)  #: s to the pulse's middle; 1 / SIGMA of a record; s at speed before it.
+_BEFORE = 1.2  #: Time to the pulse's middle [s].
+_LASTS = 9.0  #: Length of a record times SIGMA.
+_SETTLES = 3.0  #: Time at speed before the pulse [s].
 _HARD = 1.0  #: m/s^2, mean acceleration to a speed.
 
 
@@ -85,19 +83,21 @@ class Shaken:
         self.rope = InProcessRope(
             scene.with_(solver=solver, model=replace(scene.model, fidelity="torsional"))
         )
-        plant, travel = HoistPlant(self.case.hoist), self.case.hoist.shaft_travel
+        plant = HoistPlant(self.case.hoist)
+        travel = self.case.hoist.shaft_travel
         heights = self.start, travel - self.start
         require(self.rope.initialize(0.0, *(EndMotion(y=y) for y in heights)))
         forces = self.rope.reader(ROPE_FORCES)()[:2]
-        state, u = plant.equilibrium(*heights, *forces.tolist()), np.zeros(len(INPUT_NAMES))
-        u[0], u[1:3] = state.x[0], forces
+        state = plant.equilibrium(*heights, *forces.tolist())
+        u = np.zeros(len(INPUT_NAMES))
+        u[0] = state.x[0]
+        u[1:3] = forces
         self.held = float(u[0])
         self.drive = HoistPartner(plant, state, u, Stopwatch())
-        self.pair, self.scheme = (
-            CoupledSystem(self.drive, self.rope),
-            find_scheme("iterative-secant"),
-        )
-        self.read, self.k = self.rope.reader(SEEN[len(DRIVE) :]), 0
+        self.pair = CoupledSystem(self.drive, self.rope)
+        self.scheme = find_scheme("iterative-secant")
+        self.read = self.rope.reader(SEEN[len(DRIVE) :])
+        self.k = 0
         self.memory: SchemeState = self.pair.start(0.0)
 
     def step(self, torque: float) -> list[float]:
@@ -113,7 +113,8 @@ class Shaken:
 
     def followed(self, speed: float, rise: float) -> float:
         """Torque that takes the hoist to the speed [m/s] within so many seconds and keeps it there."""
-        hoist, (_, wanted, push, _) = self.case.hoist, smooth_step(self.k * self.H / rise)
+        hoist = self.case.hoist
+        _, wanted, push, _ = smooth_step(self.k * self.H / rise)
         error = speed * wanted - hoist.sheave_radius * float(
             self.drive.outputs[OUTPUT_INDEX["rate"]]
         )
@@ -122,12 +123,15 @@ class Shaken:
 
 def shaken(case: Case, at: float, s: Complex, H: float, speed: float = 0.0) -> Complex:
     """Transfer functions (s, SEEN) of the co-simulation from the torque's command."""
-    rise, travel, steps = abs(speed) / _HARD, case.hoist.shaft_travel, round(_LASTS / s[0].real / H)
+    rise = abs(speed) / _HARD
+    travel = case.hoist.shaft_travel
+    steps = round(_LASTS / s[0].real / H)
     before = speed * (rise / 2 + _SETTLES + _BEFORE) if speed else 0.0
     run = Shaken(case, at * travel - before, H)
     while speed and run.k * H < rise + _SETTLES:
         run.step(run.followed(speed, rise))
-    begin, saved = run.k, (run.drive.save(), run.rope.save(), run.memory)
+    begin = run.k
+    saved = (run.drive.save(), run.rope.save(), run.memory)
     torques = np.full(steps, run.held)
     for k in range(steps if speed else 0):
         torques[k] = run.followed(speed, rise)
@@ -139,7 +143,8 @@ def shaken(case: Case, at: float, s: Complex, H: float, speed: float = 0.0) -> C
     for torque in (torques + given, torques - given):
         run.drive.restore(saved[0])
         run.rope.restore(saved[1])
-        run.memory, run.k = saved[2], begin
+        run.memory = saved[2]
+        run.k = begin
         both.append([run.step(float(x)) for x in torque])
     moved = (np.array(both[0]) - both[1]) / 2
     decay = np.exp(-np.outer(s, np.arange(steps) * H))
@@ -163,7 +168,8 @@ def dense(count: int) -> Array:
 def between(models: Sequence[LinearModel], states: int) -> tuple[float, float]:
     """Largest errors, dB and degrees, of a schedule of every other model against those between."""
     plant = reduced(models[::2], states).scheduled()
-    size, worst = plant.size1_in(1), np.zeros(2)
+    size = plant.size1_in(1)
+    worst = np.zeros(2)
     for model in models[1::2]:
         columns = [plant(model.at, x, 0.0) for x in np.eye(size)]
         A, C = (np.hstack([np.array(column[k]) for column in columns]) for k in (0, 1))

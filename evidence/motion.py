@@ -35,8 +35,11 @@ from rope_model import EndMotion, PointForces, Scene, balance_rope
 from rope_model.rules.point_forces import NO_FORCES, at_places, elements_at
 
 Array = NDArray[np.float64]
-RATE, FITTED, JUDGED = 100.0, 5, 10  #: Hz, and runs
-LEAD, START = 30, 10  #: frames
+RATE = 100.0  #: Hz
+FITTED = 5  #: runs
+JUDGED = 10  #: runs
+LEAD = 30  #: frames
+START = 10  #: frames
 FOUND = (
     1e-4  #: part of the squares that a further step must save: many curvatures lie in a long valley
 )
@@ -79,7 +82,9 @@ def started(places: Array) -> tuple[Array, Array]:
 
 def smooth(end: Array) -> Array:
     """Return a path (frames, 3), the smoother the harder it leaps: leaps are a marker's, and the rope refuses them."""
-    frames, path, lam = np.arange(float(len(end))), end, 0.1
+    frames = np.arange(float(len(end)))
+    path = end
+    lam = 0.1
     while np.abs(np.diff(path, 2, axis=0)).max() * RATE**2 > HARDEST:
         path = np.column_stack([make_smoothing_spline(frames, x, lam=lam)(frames) for x in end.T])
         lam *= 3.0
@@ -108,7 +113,8 @@ def track(path: Path) -> tuple[str, Array]:
 
 def arc_lengths(paths: Sequence[Path]) -> Array:
     """Return the medians over the frames of the arc lengths (m) from the left gripper to each vertex on the rope."""
-    found, xi = [], np.linspace(0.0, 1.0, 20)
+    found = []
+    xi = np.linspace(0.0, 1.0, 20)
     for v in map(vertices, paths):
         for frame in v[:, ::10].swapaxes(0, 1):
             chords = np.linalg.norm(np.diff(frame, axis=0), axis=1)
@@ -140,20 +146,21 @@ class Started(Markers):
             replace(swivel, attachment="clamped") for swivel in (scene.left, scene.right)
         )
         layout = replace(scene.layout, spacing=self._spacing)
-        rope, found = balance_rope(scene.with_(left=left, right=right, layout=layout)), []
+        rope = balance_rope(scene.with_(left=left, right=right, layout=layout))
+        found = []
         s = np.array([*self.places.values()])
         share = scene.rope.mass_per_length * scene.rope.length / (s.size + 1)
-        targets, before = (
-            run_up(*started(self.seen), np.arange(LEAD + 1.0)),
-            len(self._places) - len(self._t),
-        )
+        targets = run_up(*started(self.seen), np.arange(LEAD + 1.0))
+        before = len(self._places) - len(self._t)
         for k, (t, ends) in enumerate(
             zip(self._t.tolist(), self.motions(np.zeros((2, 2, 3))), strict=True), before
         ):
             if 0 < k <= LEAD:
-                rows, h = rope.rows(), t - rope.time
+                rows = rope.rows()
+                h = t - rope.time
                 at = elements_at(s, np.diff(rows[:, 0]))
-                r, v = at_places(rows[:, 1:7], *at), at_places(rows[:, 7:], *at)
+                r = at_places(rows[:, 1:7], *at)
+                v = at_places(rows[:, 7:], *at)
                 missing = SPRING * (targets[0][k] - r - v * h) + 2.0 * (targets[1][k] / h - v)
                 pull = share * SPRING * missing
                 rope.apply(PointForces(s, pull, pull, rope.time, t))
@@ -183,13 +190,12 @@ class Started(Markers):
 
     def hung(self, length: float) -> Array:
         """Return the places of the markers on a chain, without stiffness and inertia, between the same ends."""
-        s, across, found = (
-            np.array([*self.places.values()]),
-            np.array([0.5 * self._spacing, 0.0, 0.0]),
-            [],
-        )
+        s = np.array([*self.places.values()])
+        across = np.array([0.5 * self._spacing, 0.0, 0.0])
+        found = []
         for left, right in self.moved:
-            start, end = np.array(left.position) - across, np.array(right.position) + across
+            start = np.array(left.position) - across
+            end = np.array(right.position) + across
             found.append(start + chain(end - start, s, length))
         return np.array(found)
 
@@ -202,7 +208,8 @@ class Motions(MeasurementFile):
 
 def chain(span: Array, s: Array, length: float) -> Array:
     """Return the places (n, 3) at arc lengths ``s`` of a hanging chain from the origin to ``span``, Y up."""
-    across, rise = math.hypot(span[0], span[2]), float(span[1])
+    across = math.hypot(span[0], span[2])
+    rise = float(span[1])
     if length <= math.dist(span, (0.0, 0.0, 0.0)):
         return np.outer(s / length, span)
     slack = math.sqrt(length**2 - rise**2) / across  # sinh u / u
@@ -280,14 +287,17 @@ def judged(folder: Path, cable: Path, out: Path) -> Judged:
     lengths = arc_lengths(runs(folder / "train", FITTED))
     judges = motions(folder / "eval", cable, out, JUDGED, lengths)
     fitted = motions(folder / "train", cable, out, FITTED, lengths)
-    problem, measured = fitted.problem, fitted.measurements
+    problem = fitted.problem
+    measured = fitted.measurements
     found = fit(residuals_of(problem, measured, *stacked(measured)), len(problem.names), FOUND)
     for name, share, reach in zip(problem.names, found.norm_params, found.reaches, strict=True):
         low, value, high = (
             problem.data[name].at(float(np.clip(share + k * reach, 0.0, 1.0))) for k in (-1, 0, 1)
         )
         print(f"{name} = {value:.4g} ({low:.4g} to {high:.4g})")
-    scene, misses, chains = problem.predictor(found.norm_params).scene, list[Array](), list[Array]()
+    scene = problem.predictor(found.norm_params).scene
+    misses = list[Array]()
+    chains = list[Array]()
     for one in judges.measurements:
         misses.append(one.misses(one.wound(scene)))
         chains.append(one.misses(one.hung(scene.rope.length)))

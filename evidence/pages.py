@@ -29,7 +29,7 @@ from evidence.tables import Tables, read
 from evidence.validation.page import page as validation_page
 from hoist_demo.cases.rules import LENGTH, RULES
 from hoist_demo.files.registry import host_parameters
-from hoist_demo.parameters.quantity import UNBOUNDED
+from hoist_demo.parameters.quantity import UNBOUNDED, Parameter
 from hoist_demo.run.metrics import METRICS
 
 #: front matter of a page outside the navigation
@@ -111,20 +111,26 @@ def host(tables: Tables) -> str:
     """Return the table of the host's keys, with "none" of a part that a hoist need not have."""
     rows = []
     for p in host_parameters().values():
-        value = (
-            "none"
-            if p.start is None
-            else f"{p.start:.6g}"
-            if isinstance(p.start, float)
-            else str(p.start)
-        )
-        start = (
-            "by rule" if p.name in RULED else f"none; {value}" if p.name.count(".") > 1 else value
-        )
         meaning = ", ".join(filter(None, (p.meaning, " or ".join(p.choices))))
         bounds = "" if p.bounds == UNBOUNDED else p.bounds.description
-        rows.append((f"`{p.name}`", "" if p.unit == "1" else p.unit, start, bounds, meaning))
+        unit = "" if p.unit == "1" else p.unit
+        rows.append((f"`{p.name}`", unit, _default(p), bounds, meaning))
     return markdown(_both(rows), "key", "unit", "default", "bounds", "meaning")
+
+
+def _default(p: Parameter) -> str:
+    """Return the value of a key that the file leaves out, in words."""
+    if p.name in RULED:
+        return "by rule"
+    value = str(p.start)
+    if p.start is None:
+        value = "none"
+    elif isinstance(p.start, float):
+        value = f"{p.start:.6g}"
+    is_of_part = p.name.count(".") > 1
+    if is_of_part:
+        return f"none; {value}"
+    return value
 
 
 BLOCKS = {
@@ -162,7 +168,8 @@ def fill(block: Block, docs: Path = DOCS) -> Path:
 
 def publish(page: Page, docs: Path = DOCS) -> list[Path]:
     """Write text and figures from the data in ``docs``; return the files written."""
-    data, written = tables(page, docs), [docs / page.file]
+    data = tables(page, docs)
+    written = [docs / page.file]
     written[0].write_text(page_text(page, docs), encoding="utf-8")
     for name, draw in page.figures.items():
         written.append(docs / "images" / page.data / f"{name}.png")

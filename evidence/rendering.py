@@ -103,7 +103,8 @@ def render(template: str, data: Mapping[str, Any]) -> str:
 
 def fill_block(text: str, mark: str, block: str) -> str:
     """A hand-written text with a new ``block`` between its marks <!-- mark --> and <!-- /mark -->."""
-    begin, end = f"<!-- {mark} -->\n", f"<!-- /{mark} -->"
+    begin = f"<!-- {mark} -->\n"
+    end = f"<!-- /{mark} -->"
     if text.count(begin) != 1 or text.count(end) != 1:
         raise ValueError(
             f"the text must have one place for {mark}, between lines {begin.strip()} and {end}"

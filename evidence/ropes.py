@@ -50,7 +50,8 @@ def smooth_step(s: float) -> tuple[float, float, float, float]:
     if s >= 1.0:
         return s - 0.5, 1.0, 0.0, 0.0
     s = max(s, 0.0)
-    value, rate = s**3 * (10 - 15 * s + 6 * s * s), 30 * (s * (1 - s)) ** 2
+    value = s**3 * (10 - 15 * s + 6 * s * s)
+    rate = 30 * (s * (1 - s)) ** 2
     return s**4 * (2.5 - 3 * s + s * s), value, rate, 60 * s * (1 - s) * (1 - 2 * s)
 
 

@@ -2,15 +2,15 @@
 
 import numpy as np
 
-LENGTH, MASS, BENDING, SPACING = (
-    (60.0, 1200.0),
-    (3.0, 15.0),
-    (50.0, 3000.0),
-    (1.2, 3.0),
-)  # m, kg/m, N m^2, m
+LENGTH = (60.0, 1200.0)  # m
+MASS = (3.0, 15.0)  # kg/m
+BENDING = (50.0, 3000.0)  # N m^2
+SPACING = (1.2, 3.0)  # m
 #: EA (N) per mass per length (kg/m) of steel wire ropes, that of the published case's assumed data in the middle
 STIFFNESS = (1.1e7, 2.0e7)
-SPEED, ACCELERATION, JERK = (4.0, 20.0), (0.5, 1.5), (0.3, 3.0)  # m/s, m/s^2, m/s^3
+SPEED = (4.0, 20.0)  # m/s
+ACCELERATION = (0.5, 1.5)  # m/s^2
+JERK = (0.3, 3.0)  # m/s^3
 #: how near an end the loop hangs when the trip begins, in rope lengths
 NEAR = (0.13, 0.3)
 

@@ -73,10 +73,8 @@ def _cell(value: Any) -> str:
 
 def _column(cells: Sequence[str]) -> NDArray[Any]:
     try:
-        return (
-            np.array([float(cell) if cell else np.nan for cell in cells])
-            if any(cells)
-            else np.array(cells)
-        )
+        if not any(cells):
+            return np.array(cells)
+        return np.array([float(cell) if cell else np.nan for cell in cells])
     except ValueError:
         return np.array(cells)

@@ -68,33 +68,60 @@ class _Port:
     unit: str
 
 
-def export_ssp(
-    destination: Path,
-    name: str,
-    components: Sequence[Component],
-    stop: float,
-    step: float,
-    description: str = "",
-    version: Version = "1.0",
-    data: Sequence[Datum] = (),
-) -> Path:
-    """Write the system with its FMUs; stop time and communication step in s.
+@dataclass(frozen=True)
+class System:
+    """The system as a whole."""
 
-    The same FMUs give the same bytes.  The step is an annotation that libcosim reads and
-    OMSimulator requires, as SSP itself has no element for it.  SSP 1.0 knows the types of FMI 3.0
-    by the names of FMI 2.0, and does not name the file with the status of the ``data``.
+    name: str
+    stop: float  # s
+    step: float  # s, of the communication
+    description: str = ""
+    version: Version = "1.0"  # of SSP
+    data: Sequence[Datum] = ()
+
+
+def export_ssp(destination: Path, components: Sequence[Component], system: System) -> Path:
+    """Write the system with its FMUs.
+
+    The same FMUs give the same bytes.  SSP 1.0 knows the types of FMI 3.0 by the names of FMI 2.0,
+    and does not name the file with the status of the data.
     """
     described = {c.name: _read(c) for c in components}
-    types = _TYPES3 if version == "1.0" else {}
+    types = _TYPES3 if system.version == "1.0" else {}
     ports: list[_Port] = []
     for component in components:
         ports += _ports(component.name, described[component.name], types)
-    pairs = _pairs(ports)
-    connected = set(chain.from_iterable(pairs))
+    units = {port.unit for port in _connected(ports)} - {""}
+    root = node(
+        "ssd:SystemStructureDescription",
+        _system(system, components, ports),
+        node("ssd:Units", *_units(described.values(), units)),
+        _default_experiment(system),
+        *_meta_data(system),
+        version=system.version,
+        name=system.name,
+        **{f"xmlns:{prefix}": uri for prefix, uri in NAMESPACES.items()},
+        generationTool="balance-rope",
+    )
+    files = {"SystemStructure.ssd": xml_bytes(root)}
+    files |= {f"resources/{c.name}.fmu": c.fmu.read_bytes() for c in components}
+    if system.data:
+        files[_STATUSES] = xml_bytes(_statuses(system.name, system.data))
+    write_archive(destination, files)
+    return destination
+
+
+def _connected(ports: Sequence[_Port]) -> set[_Port]:
+    return set(chain.from_iterable(_pairs(ports)))
+
+
+def _system(system: System, components: Sequence[Component], ports: Sequence[_Port]) -> Element:
+    """Return the components with their connections, and the step for OMSimulator."""
+    connected = _connected(ports)
     nodes = []
     for component in components:
         of_component = [p for p in ports if p.component == component.name and p in connected]
-        nodes.append(_component(component, of_component, version))
+        nodes.append(_component(component, of_component, system.version))
     connections = (
         node(
             "ssd:Connection",
@@ -103,53 +130,45 @@ def export_ssp(
             endElement=end.component,
             endConnector=end.name,
         )
-        for start, end in pairs
+        for start, end in _pairs(ports)
     )
     # OMSimulator opens a system only with a fixed-step master, which steps all FMUs at once
     master = node(
         "oms:FixedStepMaster",
         description="oms-ma",
-        stepSize=repr(step),
+        stepSize=repr(system.step),
         absoluteTolerance="1e-4",
         relativeTolerance="1e-4",
     )
-    system = node(
+    return node(
         "ssd:System",
         node("ssd:Elements", *nodes),
         node("ssd:Connections", *connections),
         _annotations(
             "org.openmodelica", node("oms:Annotations", node("oms:SimulationInformation", master))
         ),
-        name=name,
-        description=description,
+        name=system.name,
+        description=system.description,
     )
-    meta_data = []
-    if data and version == "2.0":
-        attributes = {
-            "kind": "general",
-            "type": "application/x-srmd-meta-data",
-            "source": _STATUSES,
-        }
-        meta_data = [node("ssc:MetaData", **attributes)]
-    algorithm = node("osp:Algorithm", node("osp:FixedStepAlgorithm", baseStepSize=repr(step)))
-    algorithm = _annotations("com.opensimulationplatform", algorithm)
-    root = node(
-        "ssd:SystemStructureDescription",
-        system,
-        node("ssd:Units", *_units(described.values(), {port.unit for port in connected} - {""})),
-        node("ssd:DefaultExperiment", algorithm, startTime="0.0", stopTime=repr(stop)),
-        *meta_data,
-        version=version,
-        name=name,
-        **{f"xmlns:{prefix}": uri for prefix, uri in NAMESPACES.items()},
-        generationTool="balance-rope",
-    )
-    files = {"SystemStructure.ssd": xml_bytes(root)}
-    files |= {f"resources/{c.name}.fmu": c.fmu.read_bytes() for c in components}
-    if data:
-        files[_STATUSES] = xml_bytes(_statuses(name, data))
-    write_archive(destination, files)
-    return destination
+
+
+def _default_experiment(system: System) -> Element:
+    """Return stop time and step; SSP has no element for the step, and libcosim reads this one."""
+    step = node("osp:FixedStepAlgorithm", baseStepSize=repr(system.step))
+    algorithm = _annotations("com.opensimulationplatform", node("osp:Algorithm", step))
+    return node("ssd:DefaultExperiment", algorithm, startTime="0.0", stopTime=repr(system.stop))
+
+
+def _meta_data(system: System) -> list[Element]:
+    """Return the reference to the file with the status of the data; SSP 1.0 has none."""
+    if not system.data or system.version != "2.0":
+        return []
+    attributes = {
+        "kind": "general",
+        "type": "application/x-srmd-meta-data",
+        "source": _STATUSES,
+    }
+    return [node("ssc:MetaData", **attributes)]
 
 
 def _statuses(name: str, data: Sequence[Datum]) -> Element:

@@ -98,7 +98,7 @@ class _Trial:
                 self._command(*shlex.split(step.text, comments=True))
         self._python("is native", NATIVE)
         self._command("export", "--native", "--fmi", "2", "3", "--ssp")
-        self._command("export")
+        self._command("export", "--python")
         self._command("demo", "--quick")
         for fmi, name in NAMES.items():
             self._command("demo", "--out", f"out/fmi{fmi}", "--fmu", f"build/{name}")

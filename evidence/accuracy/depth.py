@@ -26,7 +26,9 @@ TRIPS = (
     ("monopol-1000", Trip(travel=700.0, speed=8.0)),
     ("monopol-1000", Trip(travel=900.0, speed=16.0)),
 )
-SETTLE, STEP, SAMPLE = 3.0, 0.01, 4  # s, s, steps
+SETTLE = 3.0  # s
+STEP = 0.01  # s
+SAMPLE = 4  # steps
 ROUNDS = 3
 COUPLINGS = ("uncoupled", "coupled")
 LOOP_ERRORS = (5e-3, 2e-3, 1e-3)  # m, of TMN-ETM's meshes
@@ -86,7 +88,8 @@ def savings(t: Table) -> list[Saving]:
         same = (t["mesh"] == "EEM") & (t["loop error [m]"] > 0)  # not the reference itself
         for name in ("rope", "coupling", "travel [m]", "speed [m/s]"):
             same &= t[name] == t[name][i]
-        error, bound = t["loop error [m]"][same], float(t["loop error [m]"][i])
+        error = t["loop error [m]"][same]
+        bound = float(t["loop error [m]"][i])
         time = (
             math.nan
             if bound > error.max()

@@ -62,7 +62,8 @@ def work_precision(tables: Tables, coupling: str, error: str) -> Figure:
     """Draw one error measure of one scene."""
     t = rows(tables["points"], coupling=coupling)
     made, axes = figure(1, 1, 6.0)
-    ax, bound = axes[0, 0], limit(t, coupling, error)
+    ax = axes[0, 0]
+    bound = limit(t, coupling, error)
     looks = []
     for look, points in kinds(t):
         looks.append(look)

@@ -9,7 +9,8 @@ from evidence.tables import Array
 def pareto(cost: Array, error: Array) -> NDArray[np.intp]:
     """Indices, by rising cost, of the points that no other point beats in both; points that are not finite never."""
     order = np.lexsort((error, cost))
-    kept, best = [], np.inf
+    kept = []
+    best = np.inf
     for i in order:
         if np.isfinite(cost[i]) and error[i] < best:
             kept.append(i)

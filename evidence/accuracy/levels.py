@@ -25,7 +25,8 @@ MEANING = {
 
 def levels(tables: Tables) -> str:
     """Errors of the coupled winding, real-time factors of both."""
-    t, lines = tables["points"], []
+    t = tables["points"]
+    lines = []
     both = {c: rows(t, family="levels", coupling=c) for c in ("coupled", "uncoupled")}
     for i, name in enumerate(both["coupled"]["name"].tolist()):
         c = {column: values[i] for column, values in both["coupled"].items()}

@@ -17,7 +17,8 @@ from evidence.tables import Table, Tables, records, rows
 
 COUPLINGS = ("coupled", "uncoupled")
 #: asked for in the tables: fraction of the largest force, m
-FORCES, PLACES = (1e-2, 1e-3, 1e-4), (0.1, 0.01, 0.001)
+FORCES = (1e-2, 1e-3, 1e-4)
+PLACES = (0.1, 0.01, 0.001)
 ASKED = [(FORCE, bound, f"{quantity(bound, '%', 'g')} end force") for bound in FORCES]
 ASKED += [(LOOP, bound, f"{quantity(bound, 'mm', 'g')} loop") for bound in PLACES]
 #: errors at which the codes are compared: relative end force, and m
@@ -62,7 +63,8 @@ def readme(tables: Tables) -> str:
 
 def _promise(scenes: Table) -> dict[str, Any]:
     """Return how far the accuracy that is asked for is kept."""
-    t, tight = completed(scenes), over_asked(completed(scenes, "tight"), "tight")
+    t = completed(scenes)
+    tight = over_asked(completed(scenes, "tight"), "tight")
     over = over_asked(t)
     of = {
         "number": len(over),
@@ -100,7 +102,8 @@ def _against_complete(t: Table, coupling: str, names: tuple[str, ...]) -> list[d
 
 def equal_errors(t: Table) -> dict[str, Any]:
     """Return the times of ours and of Exudyn at equal errors; neither is its own judge: the larger error counts."""
-    found, ratios = [], dict[str, list[float]]()
+    found = []
+    ratios = dict[str, list[float]]()
     ours = t["code"] == "ours"
     for metric, unit in (("force", ""), ("loop", "_m")):
         error = np.maximum(t[f"{metric}_error_vs_ours{unit}"], t[f"{metric}_error_vs_exudyn{unit}"])

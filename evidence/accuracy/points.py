@@ -23,7 +23,8 @@ TMN_ERRORS = (0.05, 0.01, 5e-3, 2e-3, 1e-3, 3e-4, 1e-4)  # m, loop_error
 REFERENCE_ELEMENTS = (200, 400, 800)
 REFERENCE_STEPS = (10e-3, 5e-3, 2.5e-3)  # s
 #: the trip, and rest after it (s)
-TRIP, SETTLE = Trip(), 3.0
+TRIP = Trip()
+SETTLE = 3.0
 
 
 @dataclass(frozen=True)

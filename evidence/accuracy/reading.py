@@ -29,7 +29,8 @@ def limit(t: Table, coupling: str, error: str) -> float:
     """Error of the reference solution itself: of its mesh and of its step together."""
     r = rows(t, family="reference", coupling=coupling)
     n, h = finest(t, coupling)
-    in_mesh, in_step = r["largest step [s]"] == h, r["elements"] == n
+    in_mesh = r["largest step [s]"] == h
+    in_step = r["elements"] == n
     parts = []
     for line, size in ((in_mesh, -r["elements"]), (in_step, r["largest step [s]"])):
         order = np.argsort(-size[line])[:-1]  # the last is the reference itself

@@ -28,9 +28,11 @@ from hoist_demo.uncertainty.spread import run_windings
 EXAMPLES = DOCS.parent / "examples"
 PLAN: Path = EXAMPLES / "measurements" / "example.toml"
 #: sets of ropes; of those measurements alone that have closed forms, which cost nothing
-SETS, MORE_SETS = 100, 600
+SETS = 100
+MORE_SETS = 600
 #: of the sets by which the method was judged while it was made, and of sets that were drawn once it stood
-SEED, UNSEEN = 20261122, 7
+SEED = 20261122
+UNSEEN = 7
 #: shares of the ranges from which the true ropes are drawn
 DRAWN = (0.15, 0.85)
 HANGING = ("at rest", "swing")
@@ -41,7 +43,8 @@ def cover(plan: MeasurementFile, which: str, sets: int, seed: int) -> Iterator[t
     """Yield per property: sets in which it is told, held within, held by an exact interval, and the mean half width."""
     problem = plan.problem
     _, sigmas = stacked(plan.measurements)
-    rng, (low, high) = np.random.default_rng(seed), DRAWN
+    rng = np.random.default_rng(seed)
+    low, high = DRAWN
     truths: Array = low + (high - low) * rng.random((sets, len(problem.names)))
     held = []
     for truth in tqdm(truths, desc=which, unit="rope", leave=False):
@@ -73,7 +76,8 @@ def coverage() -> Tables:
 
 def worked() -> Tables:
     """Wind SCENES with ropes from the catalogue's ranges: quantiles of the results, and their causes."""
-    results, causes = [], []
+    results = []
+    causes = []
     for scene in SCENES:
         found = run_windings(
             read(EXAMPLES / "uncertain" / f"{scene}.toml", UncertaintyFile), os.cpu_count() or 1

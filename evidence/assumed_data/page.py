@@ -14,9 +14,11 @@ SHOWN = 0.03
 
 def page(tables: Tables) -> str:
     """Return the whole page."""
-    results, t = tables["results"], tables["coverage"]
+    results = tables["results"]
+    t = tables["coverage"]
     wide = rows(results, measure=("loop_yaw", "left_swivel_torque"))
-    factors, (low, _, high) = wide["high"] / wide["low"], QUANTILES
+    factors = wide["high"] / wide["low"]
+    low, _, high = QUANTILES
     judged, unseen, more = (
         rows(t, sets=name) for name in ("judged", "unseen", "without a hanging rope")
     )

@@ -17,7 +17,8 @@ from rope_model.physics.estimates import Travel, lean_error, longitudinal_error
 from rope_model.rules import fidelity_rules
 from rope_model.solver_parameters import FidelityChoice
 
-P120, P240 = rope_120(), rope_240()
+P120 = rope_120()
+P240 = rope_240()
 #: of the estimates' windings: m/s to m/s^2 and m/s^3; EI (N m^2) and spacing (m)
 LIMITS = {4.0: (0.75, 0.5), 8.0: (0.75, 0.5), 16.0: (4.0, 8.0)}
 VARIED = (

@@ -23,7 +23,8 @@ from rope_model.solver_parameters import Mesh, Solver
 INSIDE = 5e-4
 #: elements and steps (s) of the fine run
 FINE = 480, 2e-3
-FITTED, STIFFNESS = Mesh("auto"), Contact().stiffness
+FITTED = Mesh("auto")
+STIFFNESS = Contact().stiffness
 _ENDS = tuple(f"{side}.f{axis}" for side in ("left", "right") for axis in "xyz")
 _SIGNALS = ("contact.divider", "clearance.divider", *_ENDS, "loop.x", "loop.y", "loop.z")
 _TOLD = (
@@ -83,7 +84,8 @@ def brush(trip: Trip, mesh: Mesh = FITTED, step: float = 0.0) -> Brush:
     rows = follow(rope, 1e-2, trip.stop, trip.ends, rope.reader(_SIGNALS))
     impulse, pressure, force, place = rope.signals(_TOLD).values()
     gaps = int(np.count_nonzero((rows[:, 1] < -INSIDE) & (rows[:, 0] == 0.0)))
-    told, sums = (pressure, force, place), rope.state.contact
+    told = (pressure, force, place)
+    sums = rope.state.contact
     return Brush(rows[:, 0], impulse, told, gaps, rows[:, 2:8], rows[:, 8:], sums)
 
 
@@ -119,7 +121,8 @@ def brushes() -> Table:
 
 
 #: m, of the divider: it meets any place of an element; and the fine run's elements, step and end (s), behind the peak
-HEIGHTS, FINEST = tuple(-25.0 - 0.2 * k for k in range(9)), (960, 2e-3, 5.0)
+HEIGHTS = tuple(-25.0 - 0.2 * k for k in range(9))
+FINEST = (960, 2e-3, 5.0)
 #: meshes in words; one that is given has no window
 MESHES = {
     "as fitted": FITTED,

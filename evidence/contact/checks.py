@@ -16,7 +16,8 @@ from evidence.contact.turned import struck_legs, turned
 from rope_model.solver_parameters import Mesh
 
 #: s, steps of the rebound; and s/m, its damping
-STEPS, DAMPING = (2e-3, 1e-3, 5e-4, 2.5e-4), 0.5
+STEPS = (2e-3, 1e-3, 5e-4, 2.5e-4)
+DAMPING = 0.5
 
 
 def _touch_down() -> Iterator[Measurement]:
@@ -43,7 +44,8 @@ def _leaning() -> Iterator[Measurement]:
 
 
 def _brushed() -> Iterator[Measurement]:
-    ours, fine = brush(past()), brush(past(), Mesh("eem", FINE[0]), FINE[1])
+    ours = brush(past())
+    fine = brush(past(), Mesh("eem", FINE[0]), FINE[1])
     yield below("samples inside the divider without a force", ours.gaps + fine.gaps, 1)
     what = f"impulse, off that of {FINE[0]} elements and steps of {1e3 * FINE[1]:g} ms by"
     yield below(what, abs(ours.impulse / fine.impulse - 1.0), 0.01)
@@ -54,7 +56,8 @@ def _brushed() -> Iterator[Measurement]:
 
 
 def _wall() -> Iterator[Measurement]:
-    ours, chain = wall.ours(), wall.chain()
+    ours = wall.ours()
+    chain = wall.chain()
     yield below("impulse, off the chain's by", abs(ours.impulse / chain.impulse - 1.0), 0.01)
     yield below("peak, off the chain's by", abs(ours.peak / chain.peak - 1.0), 0.02)
     yield below("impulse up to any instant, off by, of the whole", ours.off(chain), 0.04)
@@ -87,7 +90,8 @@ def _energies(unexplained: Callable[[float], float], *stiffnesses: float) -> Ite
 
 
 def _turned() -> Iterator[Measurement]:
-    smooth, rough = turned(0.0), turned(0.2)
+    smooth = turned(0.0)
+    rough = turned(0.2)
     yield below("angle of the ply, off by", abs(smooth.angle - 1.0), 0.02)
     for name, x in (("without friction", smooth), ("friction 0.2", rough)):
         growth = np.diff(np.interp(np.arange(1.0, 4.01, 0.25), x.turns, x.torque))
@@ -103,7 +107,8 @@ def _turned() -> Iterator[Measurement]:
 
 
 def _plectoneme() -> Iterator[Measurement]:
-    ours, exact = grown(), soft_rod(grown().found.tension)
+    ours = grown()
+    exact = soft_rod(grown().found.tension)
     yield above("turns of its strands about each other", ours.turns, 2.0)
     # that strands are soft makes 0.03 to 0.06; the weight grows with what hangs, which tells in the way of the ends
     for name, what, bound in (

@@ -23,11 +23,14 @@ from rope_model.shaft_parameters import Contact, Divider, Shaft
 from rope_model.solver_parameters import Mesh
 
 #: seeds of the trips that the constants are fitted to and judged on, so many of each
-FIT, JUDGE, NUMBER = 50, 51, 18
+FIT = 50
+JUDGE = 51
+NUMBER = 18
 #: N: trips that press less are left out
 LEAST = 5.0
 #: m/s^2, and how much larger the acceleration is than the rise over the square of its time
-ACCELERATION, FASTEST = (0.5, 2.5), 5.77
+ACCELERATION = (0.5, 2.5)
+FASTEST = 5.77
 NAMES = ("AT_ENDS", "OF_PLACE")
 
 
@@ -51,14 +54,19 @@ class Asked(NamedTuple):
 def draw(seed: int, number: int) -> Iterator[Trip]:
     """Ropes of 60 to 150 m, and dividers that legs hang on, by up to 60 mm, or beside, by up to 30 mm."""
     draws = Draws(seed)
-    evenly, in_logarithms = draws.evenly, draws.in_logarithms
+    evenly = draws.evenly
+    in_logarithms = draws.in_logarithms
     for _ in range(number):
-        length, mass, spacing = in_logarithms((60.0, 150.0)), evenly(MASS), evenly(SPACING)
+        length = in_logarithms((60.0, 150.0))
+        mass = evenly(MASS)
+        spacing = evenly(SPACING)
         axial = mass * in_logarithms(STIFFNESS)
         rope = Rope(
             length=length, mass_per_length=mass, EI=in_logarithms(BENDING), Qa=axial, Qb=0.0, Qc=0.0
         )
-        size, gap, side = evenly((0.03, 0.2)), evenly((-0.06, 0.03)), (-1.0, 1.0)[draws.one_of(2)]
+        size = evenly((0.03, 0.2))
+        gap = evenly((-0.06, 0.03))
+        side = (-1.0, 1.0)[draws.one_of(2)]
         offset = side * (0.5 * (spacing - size - rope.diameter) - gap)
         divider = Divider(size=size, y=-length * evenly((0.12, 0.4)), offset=offset)
         rise = length * evenly((0.15, 0.35))
@@ -94,7 +102,8 @@ def _judged(trip: Trip, x: Brush, fine: Brush) -> Judged:
     )
 
     def asked(k: int) -> Asked:
-        added, told = float(adds[k]), x.told[k + 1]
+        added = float(adds[k])
+        told = x.told[k + 1]
         one = added / float(getattr(contact_error, NAMES[k]))
         return Asked(found[k + 1], math.sqrt(max(told**2 - added**2, 0.0)), one)
 

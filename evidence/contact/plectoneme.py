@@ -39,15 +39,31 @@ from rope_model.shaft_parameters import Air, Contact, Shaft
 from rope_model.solver_parameters import Mesh, Solver
 
 #: m, kg/m, N, N m^2, N m^2, m; heavy enough to hang down, and light against the tension
-LENGTH, MASS, AXIAL, BEND, TORSION, DIAMETER = 12.0, 0.2, 1e6, 200.0, 400.0, Rope().diameter
+LENGTH = 12.0
+MASS = 0.2
+AXIAL = 1e6
+BEND = 200.0
+TORSION = 400.0
+DIAMETER = Rope().diameter
 #: m, elements, N/m^2 of the contact, N
-SPACING, ELEMENTS, STIFFNESS, TENSION = 0.5, 100, 1e7, 1000.0
+SPACING = 0.5
+ELEMENTS = 100
+STIFFNESS = 1e7
+TENSION = 1000.0
 #: turns of twist, and s: put in while the loop hangs between the ends; drawn apart; more put in, and at rest
-WOUND, WINDING, DRAWING, GROWN, GROWING, RESTING = 5.0, 20.0, 20.0, 1.5, 20.0, 10.0
+WOUND = 5.0
+WINDING = 20.0
+DRAWING = 20.0
+GROWN = 1.5
+GROWING = 20.0
+RESTING = 10.0
 #: an end gives way at so many m/s per N of tension that is missing, at most so fast (m/s), changing that within (s)
-GIVE, FASTEST, WITHIN = 2e-3, 0.5, 0.2
+GIVE = 2e-3
+FASTEST = 0.5
+WITHIN = 0.2
 #: s, the host's step; m, heights between which the plectoneme is far from both its ends
-STEP, HEIGHTS = 0.02, (-2.3, -1.5)
+STEP = 0.02
+HEIGHTS = (-2.3, -1.5)
 
 
 class Plectoneme(NamedTuple):
@@ -125,7 +141,8 @@ def grown() -> Grown:
         nonlocal x, v
         wanted = np.clip(GIVE * (TENSION - read()[0]), -FASTEST, FASTEST) if t > WINDING else 0.0
         a = float(np.clip(wanted - v, -FASTEST, FASTEST)) / WITHIN if t > WINDING else 0.0
-        x, v = x + STEP * (v + 0.5 * STEP * a), v + STEP * a
+        x = x + STEP * (v + 0.5 * STEP * a)
+        v = v + STEP * a
         turns, rate = _turned(t)
         yaw = {"yaw": math.pi * turns, "yaw_rate": math.pi * rate}
         left, right = (

@@ -26,7 +26,9 @@ from rope_model.rules.bodies import FLOOR
 from rope_model.shaft_parameters import Contact, Sump
 
 #: m of rope, in so many elements, and the gap below it
-LENGTH, ELEMENTS, GAP = 2.0, 2, 0.01
+LENGTH = 2.0
+ELEMENTS = 2
+GAP = 0.01
 RHO_INF = 1.0  # no numerical dissipation
 NEWTON = 1e-12  # m, last correction of a step
 #: the published element with a floor

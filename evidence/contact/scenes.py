@@ -30,20 +30,20 @@ def touch_down(EI: float, element: float, stiffness: float) -> TouchDown:
     Where a beam under tension T0 lifts off, y = w/T0 (x^2/2 - b x + b^2 (1 - exp(-x/b))), b = sqrt(EI/T0); along all
     of the leg, N + EI k^2/2 - w y = T0, N and k those of a catenary but for higher powers of b.
     """
-    length, level = 32.0, -10.0
+    length = 32.0
+    level = -10.0
     rope = Rope(length=length, EI=EI, Qb=0.0, Qc=0.0)
     sunk = math.sqrt(2.0 * 0.05 * rope.diameter * WEIGHT / stiffness)
-    shaft, mesh = (
-        Shaft(sump=Sump(level=level), contact=Contact(stiffness=stiffness)),
-        round(length / element),
-    )
+    shaft = Shaft(sump=Sump(level=level), contact=Contact(stiffness=stiffness))
+    mesh = round(length / element)
     found = at_rest(
         Scene(
             rope, Layout(spacing=20.0), mesh=Mesh("eem", elements=mesh), model=PLANAR, shaft=shaft
         )
     )
     T0, V, floor = found.signals(["left.fx", "left.fy", "contact.floor"]).values()
-    b, s = math.sqrt(EI / T0), found.state.partition.nodes_s
+    b = math.sqrt(EI / T0)
+    s = found.state.partition.nodes_s
     up = found.state.motion.q[:, 1] - (level + 0.5 * rope.diameter - sunk)
     # the end force carries what hangs, and a layer's weight less than that: that presses on where it lifts off
     lifts = -V / WEIGHT + b
@@ -52,8 +52,10 @@ def touch_down(EI: float, element: float, stiffness: float) -> TouchDown:
     exact = WEIGHT / T0 * (0.5 * x**2 - b * x + b * b * (1.0 - np.exp(-x / b)))
     half = int(np.argmin(np.abs(s - 0.5 * lifts)))
     slope = (-V - WEIGHT * s[half]) / T0
-    N, k = T0 * math.sqrt(1.0 + slope**2), WEIGHT / T0 / (1.0 + slope**2)
-    leg, force = (N - T0 + 0.5 * EI * k * k) / WEIGHT, WEIGHT * length + 2.0 * V
+    N = T0 * math.sqrt(1.0 + slope**2)
+    k = WEIGHT / T0 / (1.0 + slope**2)
+    leg = (N - T0 + 0.5 * EI * k * k) / WEIGHT
+    force = WEIGHT * length + 2.0 * V
     return TouchDown(
         float(np.abs(up[near] - exact).max() / exact.max()),
         up[half] / leg - 1.0,
@@ -66,7 +68,8 @@ def fallen(EI: float, element: float, stop: float) -> float:
 
     A flexible rope presses with three times the weight of what lies: 3 w l, l = g t^2 of both legs; impulse w g t^3.
     """
-    length, H = 30.0, 2e-3
+    length = 30.0
+    H = 2e-3
     scene = Scene(
         Rope(length=length, EI=EI, Qa=1e6, Qb=0.0, Qc=0.0),
         Layout(spacing=0.5),
@@ -94,7 +97,11 @@ def pulled(friction: float, element: float, speed: float = 0.2) -> float:
     Means over the time in which it slides evenly: waves along the rope make each instant differ by 1e-3.
     Capstan with weight: T' = mu T - w R (mu sin phi + cos phi) along the underside, phi from 0 to pi.
     """
-    length, size, stiffness, pull, ramp = 16.0, 2.0, 1e8, 2e4, 0.5
+    length = 16.0
+    size = 2.0
+    stiffness = 1e8
+    pull = 2e4
+    ramp = 0.5
     rope = Rope(length=length, EI=10.0, Qb=0.0, Qc=0.0)
     sunk = pull / (0.5 * size) / stiffness
     spacing = size + rope.diameter - 2.0 * sunk
@@ -112,7 +119,8 @@ def pulled(friction: float, element: float, speed: float = 0.2) -> float:
 
     def ends(t: float) -> tuple[EndMotion, EndMotion]:
         # draw it tight, and pull it around from then on: rates of a step that takes the time ramp
-        up, side = smooth_step(t / ramp), smooth_step(t / ramp - 1.0)
+        up = smooth_step(t / ramp)
+        side = smooth_step(t / ramp - 1.0)
         rise = tight * up[1], tight * up[2] / ramp, tight * up[3] / ramp**2
         slide = speed * ramp * side[0], speed * side[1], speed * side[2] / ramp
         left, right = (

@@ -26,7 +26,12 @@ from rope_model.shaft_parameters import Air, Contact, Shaft
 from rope_model.solver_parameters import Mesh
 
 #: m, m, elements; s that the ends turn, by how many turns each, and s, half of that where the legs strike each other
-LENGTH, SPACING, ELEMENTS, TIME, TURNS, FAST = 10.0, 0.5, 40, 60.0, 4.0, 4.0
+LENGTH = 10.0
+SPACING = 0.5
+ELEMENTS = 40
+TIME = 60.0
+TURNS = 4.0
+FAST = 4.0
 #: m: between these heights the ply is far from both its ends
 PLY = (-3.4, -2.2)
 
@@ -56,11 +61,9 @@ def turned(friction: float) -> Turned:
     ).T
     first = int(np.argmax(force > 0))
     ply = helix(found.state.motion.q, found.state.partition.lengths, np.linspace(*PLY, 200))
-    moment, bending, n = (
-        float(torque[-1]) / ply.radius,
-        scene.rope.EI / ply.radius**2,
-        0.5 * WEIGHT * ply.below,
-    )
+    moment = float(torque[-1]) / ply.radius
+    bending = scene.rope.EI / ply.radius**2
+    n = 0.5 * WEIGHT * ply.below
 
     def missing(a: float) -> float:
         return (

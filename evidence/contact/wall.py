@@ -24,14 +24,21 @@ from rope_model.physics.contact import ONSET
 from rope_model.shaft_parameters import Contact, Lining, Shaft
 
 #: m between the legs, from the right one to the wall, and that the ends move in so many seconds; s that are looked at
-SPACING, GAP, WAY, MOVES, STOP, EVERY = 1.0, 0.75, 0.6, 1.0, 2.5, 1e-3
+SPACING = 1.0
+GAP = 0.75
+WAY = 0.6
+MOVES = 1.0
+STOP = 2.5
+EVERY = 1e-3
 #: s: the first blow
 BLOW = 0.015
 ROPE = Rope(length=10.0, Qa=1e6, Qb=0.0, Qc=0.0, EI=50.0, beta_K=0.0)
 CONTACT = Contact(friction=0.0)
 WALL = 0.5 * SPACING + GAP
 #: pieces of the chain; s that it comes to rest in, and its damping then, 1/s
-PIECES, RESTING, DAMPING = 200, 8.0, 3.0
+PIECES = 200
+RESTING = 8.0
+DAMPING = 3.0
 
 
 class Struck(NamedTuple):
@@ -72,13 +79,19 @@ def ours() -> Struck:
 @cache
 def chain(pieces: int = PIECES) -> Struck:
     """The chain, which comes to rest first."""
-    e, rho = ROPE.length / pieces, ROPE.mass_per_length
+    e = ROPE.length / pieces
+    rho = ROPE.mass_per_length
     fastest = 2.0 * math.sqrt(ROPE.Qa / rho) / e + 4.0 * math.sqrt(ROPE.EI / rho) / e**2  # rad/s
     steps = math.ceil(EVERY * fastest / 1.6)
-    r, v, h = _hanging(e, pieces), np.zeros((pieces + 1, 2)), EVERY / steps
-    f, found, impulse = np.zeros_like(r), [], 0.0
+    r = _hanging(e, pieces)
+    v = np.zeros((pieces + 1, 2))
+    h = EVERY / steps
+    f = np.zeros_like(r)
+    found = []
+    impulse = 0.0
     for k in range(-round(RESTING / h), round(STOP / h)):
-        f[:], pressed = _forces(r, e), _pressure(r[:, 0], v[:, 0])
+        f[:] = _forces(r, e)
+        pressed = _pressure(r[:, 0], v[:, 0])
         f[:, 0] -= pressed
         if k >= 0 and k % steps == 0:
             found.append(e * float(pressed.sum()))
@@ -92,7 +105,8 @@ def chain(pieces: int = PIECES) -> Struck:
 
 def _hanging(e: float, pieces: int) -> Array:
     """Two legs and half a circle between them."""
-    s, radius = e * np.arange(pieces + 1), 0.5 * SPACING
+    s = e * np.arange(pieces + 1)
+    radius = 0.5 * SPACING
     leg = 0.5 * (ROPE.length - math.pi * radius)
     angle = np.clip((s - leg) / radius, 0.0, math.pi)
     down = np.minimum(np.minimum(s, ROPE.length - s), leg)
@@ -116,7 +130,8 @@ def _forces(r: Array, e: float) -> Array:
 
 def _pressure(x: Array, speed: Array) -> Array:
     """The law of the wall, N/m."""
-    depth, onset = np.maximum(x + 0.5 * ROPE.diameter - WALL, 0.0), ONSET * ROPE.diameter
+    depth = np.maximum(x + 0.5 * ROPE.diameter - WALL, 0.0)
+    onset = ONSET * ROPE.diameter
     soft = np.minimum(depth, onset)
     spring = CONTACT.stiffness * (soft * soft / (2.0 * onset) + depth - soft)
     return spring * np.maximum(1.0 + CONTACT.damping * speed, 0.0)

@@ -27,9 +27,11 @@ from rope_model.cases import Level
 #: N, of a force of 8 kN
 CONVERGED = Iterative("secant", tolerance=1e-3)
 #: s, communication steps of the schemes, and of the rope in those runs and in the reference's exchange
-STEPS, ROPE_STEP = (0.04, 0.02, 0.01, 0.005), 0.0025
+STEPS = (0.04, 0.02, 0.01, 0.005)
+ROPE_STEP = 0.0025
 #: s, of the cases' runs
-CASE_STEP, CASE_REFERENCE = 0.01, 0.005
+CASE_STEP = 0.01
+CASE_REFERENCE = 0.005
 #: m, of the installed cases, whose whole trips take long: from the landing with the heaviest leg, full acceleration
 SHORTENED = 60.0
 
@@ -81,7 +83,8 @@ def wind(case: Case, scheme: Scheme, H: float) -> Run:
 
 def schemes() -> Tables:
     """Measure error and cost of every scheme on the hoist's first half metre."""
-    exact, rows = wind(SHORT, CONVERGED, ROPE_STEP), []
+    exact = wind(SHORT, CONVERGED, ROPE_STEP)
+    rows = []
     for name, given in tqdm(SCHEMES.items(), desc="schemes", unit="scheme", leave=False):
         scheme = replace(given, tolerance=0.01) if isinstance(given, Iterative) else given
         for H in STEPS:

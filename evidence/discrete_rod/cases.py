@@ -45,7 +45,8 @@ Results = dict[str, Array]
 PUBLISHED = Rope(Qb=2.371e5, Qc=2.301e5)
 #: short and ten times softer along, with more torque per weight, so that both codes wind it in minutes
 SHORT = Rope(length=40.0, Qa=1.2e7, Qb=1.015e5, Qc=0.985e5, EI=600.0)
-SPACING, SIDES = Layout().spacing, ("left", "right")
+SPACING = Layout().spacing
+SIDES = ("left", "right")
 OF_AN_END = ("fx", "fy", "fz", "swivel.torque", "swivel.angle")
 #: signals of ours that are compared
 READ = (
@@ -55,10 +56,12 @@ READ = (
     "loop.yaw",
     *(f"{side}.{name}" for side in SIDES for name in OF_AN_END),
 )
-TRAVEL, DURATION = 12.0, 8.0  # m, s
+TRAVEL = 12.0  # m
+DURATION = 8.0  # s
 RELEASE = 0.1  # s
 #: s, instants that are compared of a winding and of a release
-WOUND, LET_GO = np.linspace(0.0, 10.0, 101), np.linspace(0.0, 2.0, 101)
+WOUND = np.linspace(0.0, 10.0, 101)
+LET_GO = np.linspace(0.0, 2.0, 101)
 #: a dirty swivel: it slips, sticks, and slips again
 DIRTY = Swivel(mode="coulomb", mu_static=0.02, mu_kinetic=0.015, release_time=RELEASE)
 
@@ -73,7 +76,8 @@ class Winding:
     def __call__(self, t: float) -> tuple[float, float, float]:
         x = min(t / self.duration, 1.0)
         rise = x**4 * (35 - 84 * x + 70 * x**2 - 20 * x**3)
-        speed, change = 140 * (x * (1 - x)) ** 3, 420 * (x * (1 - x)) ** 2 * (1 - 2 * x)
+        speed = 140 * (x * (1 - x)) ** 3
+        change = 420 * (x * (1 - x)) ** 2 * (1 - 2 * x)
         pace = self.travel / self.duration
         return self.travel * rise, pace * speed, pace * change / self.duration
 
@@ -188,7 +192,9 @@ def modes_rod(case: str, edges: int) -> Results:
 
 def follow(rope: BalanceRope, ends: Winding, times: Array) -> Record:
     """Our rope along ``ends``, with communication steps of 10 ms that end on ``times``."""
-    rows, switches, interval = [present(rope)], list[float](), 0.01
+    rows = [present(rope)]
+    switches = list[float]()
+    interval = 0.01
     for k in range(1, round(times[-1] / interval) + 1):
         require(rope.advance_to(k * interval, *ends.ours(k * interval)))
         switches += [event.t for event in rope.state.events if "swivel" in event.what]
@@ -303,7 +309,8 @@ class Case:
 
     def compare(self) -> dict[str, Comparison]:
         """Every quantity by its name."""
-        ours, rod = [self.ours(n) for n in self.ours_on], [self.rod(n) for n in self.rod_on]
+        ours = [self.ours(n) for n in self.ours_on]
+        rod = [self.rod(n) for n in self.rod_on]
         return {
             name: Comparison(tuple(x[name] for x in ours), tuple(x[name] for x in rod))
             for name in ours[-1]
@@ -312,7 +319,8 @@ class Case:
 
 def cases() -> list[Case]:
     """What the page shows."""
-    edges, rest = (80, 160, 320), (150, 300, 600)
+    edges = (80, 160, 320)
+    rest = (150, 300, 600)
     return [
         Case("rest, published coupling, 120 m", statics_ours, statics_rod, (600, 1200), rest),
         *(

@@ -87,7 +87,8 @@ def split(y: Array) -> Parts:
 def join(p: Parts) -> Array:
     """The inverse of ``split``."""
     inner = np.concatenate((p.x, p.v, p.m[1:-1, None], p.w[1:, None]), axis=1)
-    left, right = (p.b[0], p.b_t[0], p.m[0], p.w[0]), (p.m[-1], p.b[1], p.b_t[1])
+    left = (p.b[0], p.b_t[0], p.m[0], p.w[0])
+    right = (p.m[-1], p.b[1], p.b_t[1])
     return np.concatenate((np.stack(left), inner.reshape(-1, *inner.shape[2:]), np.stack(right)))
 
 
@@ -123,21 +124,29 @@ class Rod:
 
     def evaluate(self, t: float, y: Array, slip: float) -> Loads:
         """Rates of the state ``y`` (size, columns); ``slip`` is the sense in which the swivel slips, 0: it holds."""
-        c, l, L = self.rope, self.lengths[:, None], self.cells[:, None]
-        p, (place, speed, acceleration) = split(y), (z[:, :, None] for z in self.ends(t))
+        c = self.rope
+        l = self.lengths[:, None]
+        L = self.cells[:, None]
+        p = split(y)
+        place, speed, acceleration = (z[:, :, None] for z in self.ends(t))
         edge, dv = (
             np.diff(_with_ends(z, inner), axis=0) for z, inner in ((place, p.x), (speed, p.v))
         )
         size = np.sqrt(_dot(edge, edge))
         t_e = edge / size[:, None]
         t_t = (dv - t_e * _dot(t_e, dv)[:, None]) / size[:, None]
-        e, e_t = size / l - 1, _dot(t_e, dv) / l
+        e = size / l - 1
+        e_t = _dot(t_e, dv) / l
 
         # tangents, their rates and spins with those of the clamps, as seen from the nodes
-        tangent, turning = _with_ends(CLAMPS[:, :, None], t_e), _with_ends(np.zeros((2, 3, 1)), t_t)
+        tangent = _with_ends(CLAMPS[:, :, None], t_e)
+        turning = _with_ends(np.zeros((2, 3, 1)), t_t)
         spin = np.concatenate((p.b_t[:1], p.w, p.b_t[1:]))
         omega = _cross(tangent, turning) + spin[:, None] * tangent
-        t1, t2, d1, d2 = tangent[:-1], tangent[1:], turning[:-1], turning[1:]
+        t1 = tangent[:-1]
+        t2 = tangent[1:]
+        d1 = turning[:-1]
+        d2 = turning[1:]
 
         # strains of the nodes, and their rates as seen from the section
         q = 1 + _dot(t1, t2)[:, None]
@@ -149,7 +158,9 @@ class Rod:
         m_t = np.diff(spin, axis=0) + 0.5 * _dot(K, d1 + d2)
 
         # forces and moments
-        tau, tau_t, Qs = p.m / L, m_t / L, 0.5 * (c.Qb + c.Qc)
+        tau = p.m / L
+        tau_t = m_t / L
+        Qs = 0.5 * (c.Qb + c.Qc)
         along, along_t = (_halves(l * z) / L for z in (e, e_t))
         twisted = c.Qb * tau + c.beta_K * Qs * tau_t
         T = c.Qa * (e + c.beta_K * e_t) + 0.5 * (twisted[:-1] + twisted[1:])
@@ -157,7 +168,8 @@ class Rod:
         n = c.EI * (K + c.beta_K * seen) / L[:, None]
 
         # what multiplies the tangents' rates and the spins in the virtual power
-        turn, bend = _cross(K, n), _dot(n, K)[:, None]
+        turn = _cross(K, n)
+        bend = _dot(n, K)[:, None]
         common = 0.5 * M[:, None] * K
         left = common + (2 * _cross(t2, n) - bend * t2) / q - 0.5 * _cross(turn, t1)
         right = common + (2 * _cross(n, t1) - bend * t1) / q - 0.5 * _cross(turn, t2)
@@ -168,14 +180,16 @@ class Rod:
 
         force = T[:, None] * t_e + (g - t_e * _dot(g, t_e)[:, None]) / size[:, None]
         F = _with_ends(np.zeros((2, 3, 1)), np.diff(force, axis=0))
-        F[0], F[-1] = force[0], -force[-1]
+        F[0] = force[0]
+        F[-1] = -force[-1]
         F[:, 1] -= c.mass_per_length * GRAVITY * L
         mass = c.mass_per_length * L[:, None]
         reaction = mass[[0, -1]] * acceleration - F[[0, -1]]
         b_tt = np.zeros_like(p.b)
         if slip:
             b_tt[1] = (torque[-1] - self.arms[1] * reaction[1, 1] * slip) / self.swivel.inertia
-        a, w_t = F[1:-1] / mass[1:-1], torque[1:-1] / (c.rhoJ * l)
+        a = F[1:-1] / mass[1:-1]
+        w_t = torque[1:-1] / (c.rhoJ * l)
         return Loads(reaction, -torque[[0, -1]], join(Parts(p.b_t, b_tt, p.v, a, m_t, w_t)))
 
     def rates(self, t: float, y: Array, slip: float) -> Array:
@@ -184,7 +198,8 @@ class Rod:
 
     def jacobian(self, t: float, y: Array, slip: float) -> sp.csc_matrix:
         """Derivative of ``rates``, sparse: complex steps along all columns of the band that touch no common row."""
-        size, width = y.size, 2 * HALF_BAND + 1
+        size = y.size
+        width = 2 * HALF_BAND + 1
         column = np.arange(size)
         steps = np.zeros((size, width), dtype=complex)
         steps[column, column % width] = 1e-30j
@@ -192,7 +207,8 @@ class Rod:
         rows = np.repeat(column, width)
         columns = rows + np.tile(np.arange(-HALF_BAND, HALF_BAND + 1), size)
         inside = (columns >= 0) & (columns < size)
-        rows, columns = rows[inside], columns[inside]
+        rows = rows[inside]
+        columns = columns[inside]
         values = slopes[rows, columns % width]
         kept = values != 0
         return sp.csc_matrix((values[kept], (rows[kept], columns[kept])), shape=(size, size))
@@ -221,5 +237,6 @@ def _dot(a: Array, b: Array) -> Array:
 
 
 def _cross(a: Array, b: Array) -> Array:
-    i, j = [1, 2, 0], [2, 0, 1]
+    i = [1, 2, 0]
+    j = [2, 0, 1]
     return np.asarray(a[:, i] * b[:, j] - a[:, j] * b[:, i])

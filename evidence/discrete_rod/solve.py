@@ -30,7 +30,8 @@ LARGEST_MOVE = 0.3
 def first_guess(rod: Rod) -> Array:
     """First guess: two legs and a half circle, untwisted."""
     left, right = rod.ends(0.0)[0]
-    radius, s = 0.5 * (right[0] - left[0]), rod.s
+    radius = 0.5 * (right[0] - left[0])
+    s = rod.s
     leg = 0.5 * (s[-1] + left[1] - right[1] - np.pi * radius)
     phi = np.clip((s - leg) / radius, 0.0, np.pi)
     x = np.zeros((s.size, 3))
@@ -41,7 +42,8 @@ def first_guess(rod: Rod) -> Array:
         - radius * np.sin(phi)
         + np.maximum(s - leg - np.pi * radius, 0.0)
     )
-    inner, edges = x[1:-1], rod.lengths.size
+    inner = x[1:-1]
+    edges = rod.lengths.size
     return join(
         Parts(np.zeros(2), np.zeros(2), inner, 0 * inner, np.zeros(edges + 1), np.zeros(edges))
     )
@@ -49,7 +51,8 @@ def first_guess(rod: Rod) -> Array:
 
 def _second_order(rod: Rod, y: Array) -> tuple[sp.csc_matrix, Array]:
     """H'G, and the indices of u, without the speeds of the swivels, which hold."""
-    A, names = rod.jacobian(0.0, y, HELD), split(np.arange(y.size))
+    A = rod.jacobian(0.0, y, HELD)
+    names = split(np.arange(y.size))
     speeds = np.concatenate((names.v.ravel(), names.w))
     places = np.concatenate((names.x.ravel(), names.m, names.b))
     return sp.csc_matrix(A[speeds][:, places] @ A[places][:, speeds]), speeds
@@ -57,7 +60,9 @@ def _second_order(rod: Rod, y: Array) -> tuple[sp.csc_matrix, Array]:
 
 def equilibrium(rod: Rod, guess: Array, tolerance: float = 1e-11) -> Array:
     """The rod at rest near ``guess``, its swivels held.  Raises RuntimeError without one."""
-    y, tau, force = guess, 0.1, np.inf
+    y = guess
+    tau = 0.1
+    force = np.inf
     for _ in range(400):
         A, speeds = _second_order(rod, y)
         rates = rod.rates(0.0, y, HELD)[speeds]
@@ -69,7 +74,8 @@ def equilibrium(rod: Rod, guess: Array, tolerance: float = 1e-11) -> Array:
             return y
         now = float(np.linalg.norm(rates))
         tau *= 0.5 if now > 2 * force and move > LARGEST_MOVE else 3.0
-        force, tau = now, min(tau, 1e8)
+        force = now
+        tau = min(tau, 1e8)
     raise RuntimeError(
         f"no equilibrium: the last correction moved by {move:.3g} m or rad; give a better guess"
     )
@@ -77,7 +83,8 @@ def equilibrium(rod: Rod, guess: Array, tolerance: float = 1e-11) -> Array:
 
 def _displace(rod: Rod, y: Array, u: Array) -> Array:
     """``y`` displaced by the virtual velocity ``u``: places along it, twists by their exact change."""
-    p, du = split(y), split(u)
+    p = split(y)
+    du = split(u)
     x = p.x + du.v
     m = p.m + np.diff(np.concatenate((du.b_t[:1], du.w, du.b_t[1:])))
     old, new = (np.vstack((CLAMPS[:1], tangents(rod, z), CLAMPS[1:])) for z in (p.x, x))
@@ -127,12 +134,16 @@ def lowest_of(s: Array, x: Array) -> tuple[Array, float]:
 
 def move(rod: Rod, y: Array, times: Array, release: float = np.inf, rtol: float = 1e-5) -> Record:
     """Integrate from ``y`` at ``times[0]`` and record at ``times``; the swivel holds until ``release``, one of them."""
-    t, end, slip = float(times[0]), float(times[-1]), HELD
-    rows, switches = [(t, y, slip)], list[float]()
+    t = float(times[0])
+    end = float(times[-1])
+    slip = HELD
+    rows = [(t, y, slip)]
+    switches = list[float]()
     due = t == release
     while t < end:
         if due:
-            before, (y, slip) = slip, _switch(rod, t, y, slip)
+            before = slip
+            y, slip = _switch(rod, t, y, slip)
             if slip != before:
                 switches.append(t)
         stop = release if t < release < end else end
@@ -167,7 +178,8 @@ def _switch(rod: Rod, t: float, y: Array, slip: float) -> tuple[Array, float]:
     y = y.copy()
     y[-1] = 0.0
     loads = rod.evaluate(t, y[:, None], slip)
-    moment, limit = float(loads.moment[1, 0]), rod.arms[0] * float(loads.reaction[1, 1, 0])
+    moment = float(loads.moment[1, 0])
+    limit = rod.arms[0] * float(loads.reaction[1, 1, 0])
     holds = slip != 0 and abs(moment) <= limit
     return y, HELD if holds or moment == 0 else -float(np.sign(moment))
 
@@ -181,7 +193,8 @@ def _phase_end(rod: Rod, slip: float) -> Any:
         loads = rod.evaluate(t, y[:, None], slip)
         return float(rod.arms[0] * loads.reaction[1, 1, 0] - abs(loads.moment[1, 0]))
 
-    reserve.terminal, reserve.direction = True, -1.0  # type: ignore[attr-defined]
+    reserve.terminal = True  # type: ignore[attr-defined]
+    reserve.direction = -1.0  # type: ignore[attr-defined]
     return reserve
 
 

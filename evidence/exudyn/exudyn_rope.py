@@ -24,8 +24,10 @@ from rope_model.physics.hermite import node_values
 from rope_model.physics.node import arc_lengths
 from rope_model.reference.transfer import elements_at
 
-CABLE_NODE, BEAM_NODE = "NodePoint2DSlope1", "NodeRigidBody2D"
-CABLE, BEAM = "ObjectANCFCable2D", "ObjectBeamGeometricallyExact2D"
+CABLE_NODE = "NodePoint2DSlope1"
+BEAM_NODE = "NodeRigidBody2D"
+CABLE = "ObjectANCFCable2D"
+BEAM = "ObjectBeamGeometricallyExact2D"
 #: prescribed coordinates of an end node
 HELD = (0, 1, 2)
 #: N, of the elements with shear; 1e5 to 1.2e8 N move the loop by less than 0.6 mm.
@@ -54,7 +56,9 @@ class Element:
         if self.node == CABLE_NODE:
             q[:, [0, 1, 3, 4]] = c
         else:
-            q[:, [0, 1]], q[:, 3], q[:, 4] = c[:, :2], np.cos(c[:, 2]), np.sin(c[:, 2])
+            q[:, [0, 1]] = c[:, :2]
+            q[:, 3] = np.cos(c[:, 2])
+            q[:, 4] = np.sin(c[:, 2])
         return q
 
 
@@ -108,12 +112,14 @@ class PeerRope:
         heights: tuple[float, float],
         reference: Trajectory | None = None,
     ) -> None:
-        self.element, self.rope = ELEMENTS[element], scene.rope
+        self.element = ELEMENTS[element]
+        self.rope = scene.rope
         pieces = 2 * count if self.element.middle else count
         self.lengths = np.full(pieces, self.rope.length / pieces)
         s, q = hanging
         self._start = _nodes_at(q, s, arc_lengths(self.lengths))
-        self._half, self._heights = 0.5 * scene.layout.spacing, heights
+        self._half = 0.5 * scene.layout.spacing
+        self._heights = heights
         self._container = exu.SystemContainer()
         self.mbs = self._container.AddSystem()
         self._add_elements(count, scene.layout.gravity)
@@ -134,12 +140,15 @@ class PeerRope:
         """Find the equilibrium near the present shape, and start from it."""
         settings = _settings()
         static = settings.staticSolver
-        static.numberOfLoadSteps, static.adaptiveStep, static.newton.maxIterations = 1, False, 300
+        static.numberOfLoadSteps = 1
+        static.adaptiveStep = False
+        static.newton.maxIterations = 300
         static.loadStepDuration, static.useLoadFactor = (
             1e-9,
             False,
         )  # the ends' motions are functions of its time
-        static.newton.relativeTolerance, static.newton.absoluteTolerance = 1e-7, 1e-6
+        static.newton.relativeTolerance = 1e-7
+        static.newton.absoluteTolerance = 1e-6
         try:
             self.mbs.SolveStatic(settings, updateInitialValues=True)
         except (exu.ExudynError, ValueError) as error:
@@ -151,17 +160,16 @@ class PeerRope:
         """Follow the ends' motion, with a record every ``sample`` seconds."""
         settings = _settings()
         time_integration = settings.timeIntegration
-        time_integration.endTime, time_integration.numberOfSteps = (
-            duration,
-            round(duration / method.step),
-        )
+        time_integration.endTime = duration
+        time_integration.numberOfSteps = round(duration / method.step)
         time_integration.newton.relativeTolerance = method.tolerance
         time_integration.newton.useModifiedNewton = method.newton == "modified"
         time_integration.generalizedAlpha.spectralRadius = method.spectral_radius
         time_integration.generalizedAlpha.computeInitialAccelerations = (
             False  # a run starts from rest
         )
-        settings.solution.sensors.active, settings.solution.sensors.writePeriod = True, sample
+        settings.solution.sensors.active = True
+        settings.solution.sensors.writePeriod = sample
         self._samples.clear()
         self._sampling = 0.0
         start = time.process_time()
@@ -202,9 +210,11 @@ class PeerRope:
     # how it is built
 
     def _add_elements(self, count: int, gravity: float) -> None:
-        element, rope = self.element, self.rope
+        element = self.element
+        rope = self.rope
         straight = np.zeros_like(self._start)
-        straight[:, 0], straight[:, 4] = -self._half, -1.0
+        straight[:, 0] = -self._half
+        straight[:, 4] = -1.0
         straight[1:, 1] = -np.cumsum(self.lengths)
         self._reference = self.element.coordinates(straight)
         displaced = self.element.coordinates(self._start) - self._reference
@@ -213,7 +223,8 @@ class PeerRope:
             self.mbs.AddNode(node(referenceCoordinates=r, initialCoordinates=u))
             for r, u in zip(self._reference.tolist(), displaced.tolist(), strict=True)
         ]
-        make, stride = getattr(items, element.item), 1 + element.middle
+        make = getattr(items, element.item)
+        stride = 1 + element.middle
         data = {"length": rope.length / count} | self._section(rope) | element.options
         for k in range(count):
             body = self.mbs.AddObject(
@@ -225,7 +236,8 @@ class PeerRope:
             )
 
     def _section(self, rope: Rope) -> dict[str, Any]:
-        GA, beta = SHEAR_STIFFNESS, rope.beta_K
+        GA = SHEAR_STIFFNESS
+        beta = rope.beta_K
         data = {
             "massPerLength": rope.mass_per_length,
             "bendingStiffness": rope.EI,

@@ -16,7 +16,8 @@ from rope_model.engine import NativeRope
 from rope_model.rules.end_paths import EndMotion
 from rope_model.solver_parameters import Mesh, Model
 
-ROUNDS, SHORT = 3, 3.0  # s
+ROUNDS = 3  # s
+SHORT = 3.0  # s
 #: label of a mesh to the mesh and its steps (s)
 TMN = {
     "mesh to 50 mm": (Mesh("auto", loop_error=0.05), (0.01, 0.02, 0.04)),
@@ -26,14 +27,14 @@ TMN = {
 }
 EEM = {60: (0.01,), 120: (0.01, 0.02), 240: (0.01, 0.02), 600: (0.01,)}
 #: the finest of each code, which judge
-FINEST, FINEST_PEER = (600, 0.005), ("beam-quadratic", 480, Method(0.0025, spectral_radius=0.6))
-PLANAR, COUNTS = ("ancf", "ancf-lobatto", "beam", "beam-quadratic"), (30, 60, 120, 240)
+FINEST = (600, 0.005)
+FINEST_PEER = ("beam-quadratic", 480, Method(0.0025, spectral_radius=0.6))
+PLANAR = ("ancf", "ancf-lobatto", "beam", "beam-quadratic")
+COUNTS = (30, 60, 120, 240)
 #: of the frequencies: m between the ends, elements and their number, modes
-HEIGHTS, PEER_MODES, MODES = (
-    (0.0, 80.0),
-    (("beam-quadratic", 240), ("ancf-lobatto", 240), ("beam", 480)),
-    4,
-)
+HEIGHTS = (0.0, 80.0)
+PEER_MODES = (("beam-quadratic", 240), ("ancf-lobatto", 240), ("beam", 480))
+MODES = 4
 #: the faster form of Newton's method at each step
 METHODS = (Method(0.005, "modified"), Method(0.01, "full"), Method(0.02, "full"))
 
@@ -71,7 +72,8 @@ def planar_cases() -> dict[str, Callable[[], Run]]:
 def winding() -> Tables:
     """Measure errors of every planar winding against our finest mesh and against Exudyn's, and its processor time."""
     finest = our_case("EEM", str(FINEST[0]), Mesh("eem", elements=FINEST[0]), FINEST[1])[1]()
-    judges, rows = (finest, exudyn(*FINEST_PEER)), []
+    judges = (finest, exudyn(*FINEST_PEER))
+    rows = []
     for r in [finest, *measure_times(planar_cases(), ROUNDS, SHORT)]:
         errors = [force_error(r.force, x.force) for x in judges]
         errors += [float(np.abs(r.bottom - x.bottom).max()) for x in judges]

@@ -86,7 +86,8 @@ def exudyn(element: str, count: int, method: Method) -> Run:
         rope.rest()
         record = rope.run(DURATION, SAMPLE, method)
     except PeerError as failed:
-        force, bottom = np.full((samples, 2), np.nan), np.full((samples, 3), np.nan)
+        force = np.full((samples, 2), np.nan)
+        bottom = np.full((samples, 3), np.nan)
         return Run("Exudyn", element, label, count, method.step, np.nan, force, bottom, str(failed))
     s = arc_lengths(rope.lengths)
     bottom = np.array([lowest_point(q, s).position for q in record.q])

@@ -48,12 +48,16 @@ from rope_model import EndMotion, Level
 SETTLE = 5.0
 #: part of the trip's duration at which an emergency stop begins: on rope-240 after its swivels' release
 STOP = 0.6
-SCENES, TRIPS = ("rope-120", "rope-240", "monopol-1000"), ("winding", "emergency stop", "strike")
+SCENES = ("rope-120", "rope-240", "monopol-1000")
+TRIPS = ("winding", "emergency stop", "strike")
 LEVELS: tuple[Level, ...] = ("draft", "standard")
 #: communication step in s -> bound of its work
 BOUNDS = {0.01: 0, 0.001: 12}
 #: m: room beside the legs of a strike, and way of both ends; s: its begin after that of the stop, and its duration
-ROOM, WAY, AFTER, MOVES = 0.35, 0.25, 0.5, 0.6
+ROOM = 0.35
+WAY = 0.25
+AFTER = 0.5
+MOVES = 0.6
 ROUNDS = 3
 PERCENTILES = (50.0, 99.0, 99.9, 100.0)
 #: slowest part of the steps, whose work is counted apart
@@ -132,7 +136,8 @@ def in_process(case: Case) -> Iterator[Step]:
 @contextmanager
 def through_fmu(case: Case, path: Path) -> Iterator[Step]:
     """Open the FMU at ``path`` with the scene's parameters, initialised."""
-    description, folder = fmpy.read_model_description(str(path)), fmpy.extract(str(path))
+    description = fmpy.read_model_description(str(path))
+    folder = fmpy.extract(str(path))
     variables = {v.name: v for v in description.modelVariables}
     identifier = description.coSimulation.modelIdentifier
     fmu = FMU2Slave(
@@ -148,7 +153,8 @@ def through_fmu(case: Case, path: Path) -> Iterator[Step]:
     inputs = references(
         [f"{side}.{name}" for side in ("left", "right") for name in asdict(EndMotion())]
     )
-    outputs, forces = references(READ), (ctypes.c_double * len(READ))()
+    outputs = references(READ)
+    forces = (ctypes.c_double * len(READ))()
     values = [
         (ctypes.c_double * len(inputs))(*asdict(a).values(), *asdict(b).values())
         for a, b in case.motions
@@ -215,7 +221,8 @@ def percentiles(case: Case, times: Array, elements: int) -> tuple[object, ...]:
 def causes(case: Case, times: Array, counts: NDArray[np.int64]) -> tuple[object, ...]:
     """Return the shares of the slowest steps, and of all, in which each cause occurred, and their mean iterations."""
     order = np.argsort(times.min(axis=0))
-    slow, every = order[-max(1, round(SLOWEST * order.size)) :], order
+    slow = order[-max(1, round(SLOWEST * order.size)) :]
+    every = order
     shares = [
         float(np.mean(counts[chosen, k] > 0))
         for chosen in (slow, every)

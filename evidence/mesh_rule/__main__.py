@@ -13,10 +13,8 @@ from evidence.tables import read, write
 
 DATA = DOCS / "data" / "mesh_rule"
 #: measured on so many ropes of the fitting seed
-TABLES, ROPES = (
-    {"loop": statics.loop, "cover": statics.cover, "ends": statics.ends, "parts": trips.parts},
-    16,
-)
+TABLES = {"loop": statics.loop, "cover": statics.cover, "ends": statics.ends, "parts": trips.parts}
+ROPES = 16
 
 
 def main() -> None:
@@ -29,7 +27,8 @@ def main() -> None:
             {name: measure(tqdm(ropes, name, leave=False)) for name, measure in TABLES.items()},
             DATA,
         )
-    found, tables = laws.fit(read(DATA)), read(DATA)
+    found = laws.fit(read(DATA))
+    tables = read(DATA)
     for name, fit in found._asdict().items():
         values = ", ".join(f"{x:.3g}" for x in fit.values)
         print(

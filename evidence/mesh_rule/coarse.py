@@ -19,7 +19,10 @@ from rope_model.physics.accuracy import locking_error
 from rope_model.physics.estimates import bending_length
 
 #: x tried, places of the nodes within an element, ropes, the longest of them (m) and the shortest
-LENGTHS, PLACES, ROPES, LONGEST = (0.5, 0.65, 0.8, 1.0, 1.2, 1.5, 2.0, 3.0), 5, 5, 300.0
+LENGTHS = (0.5, 0.65, 0.8, 1.0, 1.2, 1.5, 2.0, 3.0)
+PLACES = 5
+ROPES = 5
+LONGEST = 300.0
 SHORTEST = 36.0  # in w
 #: coupling over its bound
 COUPLED = 0.3
@@ -50,9 +53,11 @@ def coupled(sample: Sample) -> Scene:
 
 def measure(scene: Scene, x: float) -> Off:
     """Largest errors over PLACES of the nodes."""
-    rope, w = scene.rope, float(bending_length(scene))
+    rope = scene.rope
+    w = float(bending_length(scene))
     elements = round(rope.length / (x * w))
-    fine, off = rope.length / elements, []
+    fine = rope.length / elements
+    off = []
     for k in range(PLACES):
         height = HEIGHT + 2 * fine * k / PLACES
         equal, exact = (
@@ -61,7 +66,8 @@ def measure(scene: Scene, x: float) -> Off:
         )
         off.append(equal - exact)
     found = np.array(off)
-    place, yaw = np.linalg.norm(found[:, :3], axis=1).max(), np.abs(found[:, 3]).max()
+    place = np.linalg.norm(found[:, :3], axis=1).max()
+    yaw = np.abs(found[:, 3]).max()
     return Off(fine / w, float(locking_error(scene, fine)), float(place), float(yaw))
 
 
@@ -85,10 +91,8 @@ def main() -> None:
     for seed in (FIT, JUDGE):
         print(f"seed {seed}: x, place / law (smallest, median, largest), yaw / x (the same)")
         for of_length in rows(seed):
-            places, yaws = (
-                [e.place / e.law for e in of_length],
-                [e.yaw / e.x for e in of_length[1::2]],
-            )
+            places = [e.place / e.law for e in of_length]
+            yaws = [e.yaw / e.x for e in of_length[1::2]]
             shown = (
                 " ".join(f"{x:.3g}" for x in np.quantile(v, (0, 0.5, 1))) for v in (places, yaws)
             )

@@ -24,7 +24,9 @@ from evidence.tables import Array, Table, Tables
 
 #: what the fits use: loop elements below this many w, further down the leg than this, end elements up to this many
 #: layers
-SHORT, ABOVE, RESOLVED = 0.6, 1.25, 4.0
+SHORT = 0.6
+ABOVE = 1.25
+RESOLVED = 4.0
 
 
 class Fit(NamedTuple):
@@ -82,7 +84,8 @@ def moment_error(values: tuple[float, ...], end: Array, layer: Array) -> Array:
 
 
 def _loop(t: Table) -> Fit:
-    w, S = t["w [m]"], stiffness(t["EA [N]"], t["EI [N m2]"], t["w [m]"])
+    w = t["w [m]"]
+    S = stiffness(t["EA [N]"], t["EI [N m2]"], t["w [m]"])
     used = t["fine [m]"] < SHORT * w
     measured = np.log(t["too high [m]"][used])
 

@@ -25,7 +25,8 @@ from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics.estimates import bending_length
 from rope_model.solver_parameters import Mesh, Model, Solver
 
-FIT, JUDGE = 20, 21  # seeds
+FIT = 20  # seed
+JUDGE = 21  # seed
 #: when an emergency stop begins, in parts of the smooth trip's duration
 STOP = (0.3, 0.6)
 STEP = 0.01  # s
@@ -56,9 +57,11 @@ class Sample:
 def draw(seed: int, number: int) -> Iterator[Sample]:
     """The first ``number`` of a seed."""
     draws = Draws(seed)
-    evenly, in_logarithms = draws.evenly, draws.in_logarithms
+    evenly = draws.evenly
+    in_logarithms = draws.in_logarithms
     for k in range(number):
-        length, mass = in_logarithms(LENGTH), evenly(MASS)
+        length = in_logarithms(LENGTH)
+        mass = evenly(MASS)
         rope = Rope(
             length=length,
             mass_per_length=mass,
@@ -69,7 +72,9 @@ def draw(seed: int, number: int) -> Iterator[Sample]:
         )
         layout = Layout(evenly(SPACING))
         travel = length * (1 - 2 * evenly(NEAR))
-        speed, acceleration, jerk = evenly(SPEED), evenly(ACCELERATION), in_logarithms(JERK)
+        speed = evenly(SPEED)
+        acceleration = evenly(ACCELERATION)
+        jerk = in_logarithms(JERK)
         smooth = Trip(
             travel=travel, speed=speed, acceleration=acceleration, jerk=jerk, start_delay=0.0
         )

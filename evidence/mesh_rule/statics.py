@@ -16,11 +16,14 @@ from rope_model.solver_parameters import Mesh
 
 #: over (EI / rho g)^(1/3): loop elements tried, those of the reference, and those where something else is tried
 LOOP_LENGTHS = (0.1, 0.14, 0.2, 0.28, 0.4, 0.5, 0.56, 0.62, 0.68, 0.74, 0.8)
-FINEST, FINE = 0.05, 0.2
+FINEST = 0.05
+FINE = 0.2
 #: half of segment IV, in the same unit: what is tried, and what is enough
-COVERS, AMPLE = (1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.2, 2.4, 2.6), 3.5
+COVERS = (1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.2, 2.4, 2.6)
+AMPLE = 3.5
 COVER_LENGTHS = (0.1, 0.2, 0.3)
-LEVELS, MOST_LEVELS = (0, 1, 2, 3, 4, 5), 7
+LEVELS = (0, 1, 2, 3, 4, 5)
+MOST_LEVELS = 7
 #: parts of l by which the loop hangs off the middle of its mesh
 OFF_CENTRE = (-0.45, -0.2, 0.1, 0.35)
 FAR_OFF = 0.45

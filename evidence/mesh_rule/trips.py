@@ -11,9 +11,11 @@ from hoist_demo.control.trajectory import s_curve
 from rope_model.reference.mesh import fitted
 from rope_model.solver_parameters import Mesh
 
-SETTLE, EVERY = 3.0, 0.08  # s
+SETTLE = 3.0  # s
+EVERY = 0.08  # s
 #: loop_error (m) of the mesh whose legs, ends and steps are varied; how much longer its legs' elements are made
-ASKED, PARTS = 5e-3, (0.25, 1.0, 4.0)
+ASKED = 5e-3
+PARTS = (0.25, 1.0, 4.0)
 SHORT_STEP = STEP / 4
 
 

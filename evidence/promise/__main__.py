@@ -40,7 +40,8 @@ def main() -> int:
         / "promise"
         / f"{options.seed}-{text_hash(Path(__file__).parents[2] / 'rope_model')}"
     )
-    begun, samples = time.monotonic(), draw(options.seed, options.scenes)
+    begun = time.monotonic()
+    samples = draw(options.seed, options.scenes)
     cheap_first = sorted(
         samples, key=lambda s: (s.trajectory.duration + SETTLE) * balance_rope(s.scene).elements
     )

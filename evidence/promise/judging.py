@@ -7,9 +7,11 @@ from evidence.promise.wind import REQUESTS
 from evidence.tables import Array, Table, rows
 
 #: factor within which an estimate is to be of the error, and the share of those that are to be
-NEAR, NEAR_SHARE = 2.0, 0.85
+NEAR = 2.0
+NEAR_SHARE = 0.85
 #: share of scenes that are to be within what was asked, and the worst one over what was asked
-WITHIN, WORST = 0.97, 2.0
+WITHIN = 0.97
+WORST = 2.0
 #: estimates: columns of error and estimate
 ESTIMATES = {
     "end force": ("end force", "end force, estimated"),

@@ -47,7 +47,9 @@ def page(tables: Tables) -> str:
 
 def _request(all_scenes: Table, asked: str) -> tuple[str, ...]:
     """What is asked, what the errors are of that, and the work over that of the default."""
-    t, default, request = completed(all_scenes, asked), completed(all_scenes), REQUESTS[asked]
+    t = completed(all_scenes, asked)
+    default = completed(all_scenes)
+    request = REQUESTS[asked]
     over = over_asked(t, asked)
     work = dict(zip(default["scene"].tolist(), default["work"].tolist(), strict=True))
     paid = [

@@ -14,21 +14,33 @@ from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import Layout, Rope, Scene, Swivel, SwivelMode
 
 #: seeds; scenes that are wound with the default, and how many of them with the other requests, too
-TUNE, JUDGE, SCENES, REQUESTED = 60, 271, 44, 30
-LENGTH, BENDING = (40.0, 1200.0), (40.0, 3000.0)  # m, N m^2
+TUNE = 60
+JUDGE = 271
+SCENES = 44
+REQUESTED = 30
+LENGTH = (40.0, 1200.0)  # m
+BENDING = (40.0, 3000.0)  # N m^2
 #: of steel wire ropes: d^2 (m^2) per mass per length; Qd (N m^2) over EA d^2
-SECTION, TORSION = 2.42e-4, (0.008, 0.02)
+SECTION = 2.42e-4
+TORSION = (0.008, 0.02)
 #: Qb and Qc over EA d, at most as published; and over sqrt(EA Qd), beyond which the energy is not positive
-COUPLING, MOST_COUPLED = 2.336e5 / (1.2e8 * 0.044), 0.8
+COUPLING = 2.336e5 / (1.2e8 * 0.044)
+MOST_COUPLED = 0.8
 #: shares of trips that are stopped, of those by a sine, of releases, of ropes twisted when they were installed
-STOPPED, BY_SINE, RELEASED, TWISTED = 0.4, 0.5, 0.2, 0.5
+STOPPED = 0.4
+BY_SINE = 0.5
+RELEASED = 0.2
+TWISTED = 0.5
 #: when stop and release begin, in parts of the trip's duration
 BEGIN = (0.2, 0.8)
 #: of an emergency stop, m/s^2 and m/s^3; of the rope, rad/m
-BRAKE, BRAKE_JERK, TWIST = (2.0, 5.0), (5.0, 50.0), (-0.002, 0.002)
+BRAKE = (2.0, 5.0)
+BRAKE_JERK = (5.0, 50.0)
+TWIST = (-0.002, 0.002)
 MODES: tuple[SwivelMode, ...] = ("locked", "free", "coulomb")
 #: kinetic friction of swivels, from healthy to degraded bearings, and the static one over it
-FRICTION, STATIC = (0.0013, 0.08), 1.3
+FRICTION = (0.0013, 0.08)
+STATIC = 1.3
 STEPS = (0.005, 0.01, 0.02, 0.04, 0.05)  # s
 KINDS = ("smooth", "emergency stop", "release")
 
@@ -51,17 +63,25 @@ class Sample:
     @property
     def kind(self) -> str:
         """What happens on the way."""
-        stopped, released = self.trip.emergency_at is not None, self.scene.right.release_time > 0
-        return KINDS[1 if stopped else 2 if released else 0]
+        stopped = self.trip.emergency_at is not None
+        released = self.scene.right.release_time > 0
+        if stopped:
+            return KINDS[1]
+        if released:
+            return KINDS[2]
+        return KINDS[0]
 
 
 def draw(seed: int, number: int) -> Iterator[Sample]:
     """The first ``number`` of a seed."""
     draws = Draws(seed)
-    evenly, in_logarithms = draws.evenly, draws.in_logarithms
+    evenly = draws.evenly
+    in_logarithms = draws.in_logarithms
     for k in range(number):
-        length, mass = in_logarithms(LENGTH), evenly(MASS)
-        diameter, stiffness = math.sqrt(SECTION * mass), mass * in_logarithms(STIFFNESS)
+        length = in_logarithms(LENGTH)
+        mass = evenly(MASS)
+        diameter = math.sqrt(SECTION * mass)
+        stiffness = mass * in_logarithms(STIFFNESS)
         torsion = stiffness * diameter**2 * in_logarithms(TORSION)
         coupling = min(
             evenly((0, COUPLING)) * stiffness * diameter,
@@ -79,10 +99,8 @@ def draw(seed: int, number: int) -> Iterator[Sample]:
             diameter=diameter,
             installed_twist=evenly(TWIST) * length if evenly() < TWISTED else 0.0,
         )
-        layout, modes = (
-            Layout(evenly(SPACING)),
-            [MODES[draws.one_of(len(MODES))] for _ in ("left", "right")],
-        )
+        layout = Layout(evenly(SPACING))
+        modes = [MODES[draws.one_of(len(MODES))] for _ in ("left", "right")]
         trip = Trip(
             travel=length * (1 - 2 * evenly(NEAR)),
             speed=evenly(SPEED),
@@ -90,12 +108,12 @@ def draw(seed: int, number: int) -> Iterator[Sample]:
             jerk=in_logarithms(JERK),
             start_delay=0.0,
         )
-        stopped, by_sine, released = evenly() < STOPPED, evenly() < BY_SINE, evenly() < RELEASED
-        begin, brake, jerk = (
-            evenly(BEGIN) * s_curve(trip).duration,
-            evenly(BRAKE),
-            in_logarithms(BRAKE_JERK),
-        )
+        stopped = evenly() < STOPPED
+        by_sine = evenly() < BY_SINE
+        released = evenly() < RELEASED
+        begin = evenly(BEGIN) * s_curve(trip).duration
+        brake = evenly(BRAKE)
+        jerk = in_logarithms(BRAKE_JERK)
         interval = STEPS[draws.one_of(len(STEPS))]
         if stopped:
             trip = replace(

@@ -28,10 +28,15 @@ class SineStop:
         """The left end at ``t``."""
         if t < self.begin:
             return self.trip.at(t)
-        start, k = self.trip.at(self.begin), math.pi / self.lasts
-        s, v, a, b = start.position, start.speed, start.acceleration, self.brake
+        start = self.trip.at(self.begin)
+        k = math.pi / self.lasts
+        s = start.position
+        v = start.speed
+        a = start.acceleration
+        b = self.brake
         t = min(t - self.begin, self.lasts)
-        c, sine = math.cos(k * t), math.sin(k * t)
+        c = math.cos(k * t)
+        sine = math.sin(k * t)
         at_rest = t >= self.lasts
         position = s + v * t + a * (0.25 * t * t + 0.5 * (1 - c) / (k * k)) - b / k * (t - sine / k)
         speed = v + a * (0.5 * t + 0.5 * sine / k) - b * (1 - c) / k

@@ -15,7 +15,8 @@ from evidence.tables import Array
 from rope_model import Accuracy, Mesh, Scene, Solver, balance_rope
 
 #: s: how long a scene goes on behind its trip, and how often it is looked at, where it does not communicate more rarely
-SETTLE, EVERY = 3.0, 0.02
+SETTLE = 3.0
+EVERY = 0.02
 #: what is asked: the default, and a tenth and ten times as much of it
 REQUESTS = {"default": Accuracy(), "tight": Accuracy(1e-4, 1e-3), "loose": Accuracy(1e-2, 1e-1)}
 #: the run that judges, and how often that communicates, s: its ends follow the trip itself
@@ -80,13 +81,15 @@ def errors(run: Run, fine: Run) -> tuple[float, float]:
     n = min(len(run.signals), len(fine.signals))
     if n == 0:
         return np.nan, np.nan
-    told, exact = run.signals[:n], fine.signals[:n]
+    told = run.signals[:n]
+    exact = fine.signals[:n]
     return end_error(told[:, :6], exact[:, :6]), place_error(told[:, 6:], exact[:, 6:])
 
 
 def judge(sample: Sample, asked: Sequence[str]) -> list[tuple[Any, ...]]:
     """Rows of COLUMNS, one for each of the requests."""
-    fine, scene = wind(sample, FINE_STEP, **FINE), sample.scene
+    fine = wind(sample, FINE_STEP, **FINE)
+    scene = sample.scene
     about = sample.kind, scene.rope.length, scene.rope.EI, sample.interval
     rows = []
     for request in asked:

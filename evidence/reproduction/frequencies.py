@@ -52,7 +52,8 @@ def modes(height: float) -> dict[str, tuple[Array, Array]]:
     require(rope.initialize(0.0, EndMotion(y=0.5 * height), EndMotion(y=-0.5 * height)))
     # one end that turns is enough to free the rope of torsion; two would let it spin as a whole
     require(rope.let_turn())
-    s, found = arc_lengths(rope.state.partition.lengths), {}
+    s = arc_lengths(rope.state.partition.lengths)
+    found = {}
     lowest = natural_modes(rope, 14)
     for plane, columns in (("out", [2]), ("in", [0, 1])):
         chosen = np.flatnonzero((lowest.out_of_plane > 0.5) == (plane == "out"))[:COUNT]
@@ -76,7 +77,8 @@ def measure() -> Tables:
     columns = {"H [m]": heights}
     rows: list[tuple[object, ...]] = []
     for plane in PLANES:
-        f, shapes = np.array([m[plane][0] for m in found]), np.array([m[plane][1] for m in found])
+        f = np.array([m[plane][0] for m in found])
+        shapes = np.array([m[plane][1] for m in found])
         seen = np.concatenate((shapes[:0:-1, :, ::-1], shapes)), np.concatenate((f[:0:-1], f))
         columns |= {column(plane, k): seen[1][:, k] for k in range(COUNT)}
         rows += [(plane, *row) for row in approaches(heights, seen[1], seen[0])]
@@ -110,9 +112,12 @@ def approaches(heights: Array, f: Array, shapes: Array) -> list[tuple[float, ...
             wide = np.flatnonzero(gap >= 2 * gap[i])
             if not wide.size or not wide[0] < i < wide[-1]:
                 continue
-            first, last = wide[wide < i][-1], wide[wide > i][0]
-            low, high = shapes[first, k], shapes[first, k + 1]
-            after_low, after_high = shapes[last, k], shapes[last, k + 1]
+            first = wide[wide < i][-1]
+            last = wide[wide > i][0]
+            low = shapes[first, k]
+            high = shapes[first, k + 1]
+            after_low = shapes[last, k]
+            after_high = shapes[last, k + 1]
             pairs = ((low, after_high), (high, after_low), (low, after_low), (high, after_high))
             relative = 200 * gap[i] / (f[i, k] + f[i, k + 1])
             along = min(mac(shapes[j, k], shapes[j + 1, k]) for j in range(first, last))
@@ -177,7 +182,8 @@ def claims(tables: Tables) -> list[Claim]:
 
 def draw(tables: Tables) -> Figure:
     """Both planes over H, and the narrowest gap from near."""
-    t, close = tables["frequencies"], tables["approaches"]
+    t = tables["frequencies"]
+    close = tables["approaches"]
     made, axes = figure(1, 2, 4.6)
     for ax, plane in zip(axes[0], PLANES, strict=True):
         for k in range(SHOWN):
@@ -193,7 +199,8 @@ def draw(tables: Tables) -> Figure:
                     zorder=3,
                 )
         for i in np.flatnonzero(veerings(close)) if plane == "out" else ():
-            k, at = int(close["lower mode"][i]) - 1, t["H [m]"] == close["H [m]"][i]
+            k = int(close["lower mode"][i]) - 1
+            at = t["H [m]"] == close["H [m]"][i]
             middle = np.mean(
                 [t[column(plane, k + j)][at][0] for j in (0, 1)]
             )  # Hz, between the two curves

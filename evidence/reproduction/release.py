@@ -14,8 +14,10 @@ from rope_model import BalanceRope, Scene, Swivel, rope_240
 from rope_model.physics.node import ANGLE
 from rope_model.rules.end_paths import SIDES
 
-RELEASE, END = 20.0, 45.0  # s
-FROM, UNTIL = 17.0, 24.0  # s: record of the swivel, and what of it is searched for jumps
+RELEASE = 20.0  # s
+END = 45.0  # s
+FROM = 17.0  # s, start of the swivel's record that is searched for jumps
+UNTIL = 24.0  # s, its end
 EVERY = 5  # samples per row of the table of the loop
 SWIVEL = ("acceleration [rad/s^2]", "torque [N m]")
 KINDS = "released", "locked"
@@ -28,7 +30,8 @@ SOON = 30.0  # s, ten after the release
 
 def follow(scene: Scene, name: str) -> tuple[Winding, Array]:
     """Return the case's winding and, at every communication step, SWIVEL of the right one and the loop's yaw (rad)."""
-    case, seen = rope_240(), []
+    case = rope_240()
+    seen = []
 
     def watch(rope: BalanceRope) -> None:
         acceleration = float(rope.state.motion.a[-1, ANGLE])
@@ -51,10 +54,8 @@ def measure() -> Tables:
     loop = {"t [s]": t[EVERY - 1 :: EVERY]}
     half = 0.5 * scene.layout.spacing
     for kind, (each, watched) in zip(KINDS, (released, locked), strict=True):
-        observed, bottom = (
-            np.array(each.observed)[EVERY - 1 :: EVERY],
-            np.array(each.bottom)[EVERY - 1 :: EVERY],
-        )
+        observed = np.array(each.observed)[EVERY - 1 :: EVERY]
+        bottom = np.array(each.bottom)[EVERY - 1 :: EVERY]
         for i, side in enumerate(SIDES):
             loop[f"{kind} {side} in plane [m]"] = observed[:, i, 0] + (half, -half)[i]
             loop[f"{kind} {side} out of plane [m]"] = observed[:, i, 2]
@@ -121,7 +122,8 @@ def jump(tables: Tables, quantity: str) -> float:
 
 def claims(tables: Tables) -> list[Claim]:
     """Compare what the source says of the release."""
-    first, stick = instants(tables)[0], instants(tables, "sticks")[0]
+    first = instants(tables)[0]
+    stick = instants(tables, "sticks")[0]
     ratio = change(tables, "out of plane [m]") / change(tables, "in plane [m]")
     ranges = [
         np.ptp([after(tables, f"{kind} {s} theta [rad]") for s in SIDES], axis=1) for kind in KINDS

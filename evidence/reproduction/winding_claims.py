@@ -10,7 +10,8 @@ from evidence.tables import Array, Table, Tables, rows
 #: % of the rope's length that still are a few areas; the bound is ours
 FEW = 10.0
 #: J, stated in the source: change per transformation, and difference to EEM of about 1e4 J
-SOURCE_CHANGE, SOURCE_DIFFERENCE = 1e-4, 1.0
+SOURCE_CHANGE = 1e-4
+SOURCE_DIFFERENCE = 1.0
 WINDINGS = [f"winding-{coupling}" for coupling in COUPLINGS]
 
 
@@ -104,14 +105,13 @@ def changes(tables: Tables, coupling: str) -> tuple[Array, Array]:
 
 def energy_claims(tables: Tables) -> list[Claim]:
     """Compare what the source says of the energy."""
-    relative, largest = 0.0, 0.0
+    relative = 0.0
+    largest = 0.0
     for coupling, w in zip(COUPLINGS, WINDINGS, strict=True):
         at, change = changes(tables, coupling)
         energy = np.interp(at, tables[w]["t [s]"], tables[w]["TMN-ETM kinetic [J]"])
-        relative, largest = (
-            max(relative, float(np.max(change / energy))),
-            max(largest, float(change.max())),
-        )
+        relative = max(relative, float(np.max(change / energy)))
+        largest = max(largest, float(change.max()))
     difference = max(float(np.abs(tables[w]["difference kinetic [J]"]).max()) for w in WINDINGS)
     return [
         Claim(

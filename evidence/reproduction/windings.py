@@ -21,7 +21,8 @@ COUPLINGS = ("uncoupled", "coupled")
 SCENE = rope_120().scene
 #: the default mesh in numbers, and the source's
 MESHES = {"TMN-ETM": fitted(SCENE), "EEM": Mesh(kind="eem", elements=600)}
-TRAVEL, SETTLE = 90.0, 3.0  # m, s after the conveyances have stopped
+TRAVEL = 90.0  # m
+SETTLE = 3.0  # s after the conveyances have stopped
 ROUNDS = 11  # a winding of some tenths of a second is told to a few per cent by their median
 SAMPLE = 5  # communication steps of 10 ms
 STRESSES = ("bending", "torsion")

@@ -12,7 +12,9 @@ from evidence.signals.sources import SIGNALS
 from evidence.tables import Tables, records, rows
 
 #: targets: deviation of the end force over its largest, RMS and at an instant, and estimate over deviation
-RMS, LARGEST, FACTOR = 3e-3, 2e-2, 3.0
+RMS = 3e-3
+LARGEST = 2e-2
+FACTOR = 3.0
 #: deviations below it are a tenth of what is asked for, and too small for an estimate to matter
 SMALL = 1e-4
 #: m: misfits up to here are rounding

@@ -41,7 +41,8 @@ COLUMNS = (
     *("misfit [m]", "warning", "failure"),
 )
 #: s, of standing before the trip, and after it
-DELAY, REST = 0.5, 2.0
+DELAY = 0.5
+REST = 2.0
 #: s, of communication, in the table that is shown
 STEP = 0.01
 
@@ -94,7 +95,8 @@ def run(trip: Trip, scene: Scene, source: Source, step: float, reading: str) -> 
 
     running = balance_rope(scene)
     status = running.initialize(0.0, *ends(source(0.0)[0], 0.0, 0.0))
-    read, found = running.reader(OUTPUTS), []
+    read = running.reader(OUTPUTS)
+    found = []
     for k in range(1, round((trip.motion.duration + REST) / step) + 1):
         if not status.valid:
             break
@@ -107,7 +109,8 @@ def run(trip: Trip, scene: Scene, source: Source, step: float, reading: str) -> 
 
 def rows(job: tuple[Trip, float]) -> list[tuple[Any, ...]]:
     """Wind with every signal, read at the start and at the end of a step; end forces' deviations are taken together."""
-    (trip, step), found = job, []
+    trip, step = job
+    found = []
     exact: Callable[[float], Sample] = partial(motion_of, trip.motion)
     right = run(trip, trip.scene("reference"), exact, step, "end").values
     for signal, reading in product(SIGNALS, ("start", "end")):
@@ -116,7 +119,8 @@ def rows(job: tuple[Trip, float]) -> list[tuple[Any, ...]]:
         off = (x.values[:, :4] - right[:n, :4]) / np.abs(right[:, :4]).max()
         loop = np.abs(x.values[:, 4] - right[:n, 4]).max()
         *_, told, loop_told = x.values[-1]
-        rms, largest = np.sqrt((off**2).mean(axis=0)).max(), np.abs(off).max()
+        rms = np.sqrt((off**2).mean(axis=0)).max()
+        largest = np.abs(off).max()
         words = x.warning.partition(": ")[2].partition(";")[0]
         numbers = rms, largest, told, loop, loop_told, x.misfit
         found.append((trip.name, signal.name, reading, step, *numbers, words, x.failure))

@@ -26,7 +26,8 @@ from hoist_demo.drive_fmu.description import drive_model
 
 COLUMNS = ("tool", "drive [s]", "rope [s]", "RMS", "largest", "told", "repeated", "failure")
 PACKAGES = {"libcosim": "libcosimpy", "ecos": "ecospy"}
-STEP, STOP = 0.005, 26.0
+STEP = 0.005
+STOP = 26.0
 #: steps of drive and rope, s
 PAIRS = ((2 * STEP, STEP), (STEP, 2 * STEP))
 READ = ("left.fy", "status.end_force_error", "inputs.repeated")

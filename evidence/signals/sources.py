@@ -60,7 +60,8 @@ def _jittered(spread: float, exact: Source, step: float) -> Source:
 
 
 def _lost(part: float, exact: Source, step: float) -> Source:
-    rng, latest = np.random.default_rng(SEED), [exact(0.0)]
+    rng = np.random.default_rng(SEED)
+    latest = [exact(0.0)]
 
     def at(t: float) -> Sample:
         if rng.random() >= part:

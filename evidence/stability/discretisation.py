@@ -100,10 +100,8 @@ def fast() -> Finding:
             sample=1,
             build=ReferenceRope,
         )
-    (distance, force), (their_distance, their_force) = (
-        errors(ours, exact),
-        errors(counterexample, exact),
-    )
+    distance, force = errors(ours, exact)
+    their_distance, their_force = errors(counterexample, exact)
     count = ours.rope.state.counts.transformations
     return Finding(
         counterexample=(

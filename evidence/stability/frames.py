@@ -14,7 +14,8 @@ from rope_model.solver_parameters import Mesh, Solver
 # Tait-Bryan angles
 
 #: s of the turn, and of a step
-DURATION, H = 6.0, 0.02
+DURATION = 6.0
+H = 0.02
 TURNED = Scene(
     rope=Rope(length=30.0),
     mesh=Mesh(kind="eem", elements=40),
@@ -25,8 +26,11 @@ TURNED = Scene(
 def turn(t: float) -> tuple[EndMotion, EndMotion]:
     """Both conveyances turning together about Y, 1 m from the axis, by 180 degrees."""
     _, value, rate, second = smooth_step(t / DURATION)
-    a, w, e = math.pi * value, math.pi * rate / DURATION, math.pi * second / DURATION**2
-    c, d = math.cos(a), math.sin(a)
+    a = math.pi * value
+    w = math.pi * rate / DURATION
+    e = math.pi * second / DURATION**2
+    c = math.cos(a)
+    d = math.sin(a)
     left, right = (
         EndMotion(
             x=r * c - r,

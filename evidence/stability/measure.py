@@ -17,7 +17,8 @@ CHAPTERS: dict[str, tuple[Entry, ...]] = {
 
 def tables() -> Tables:
     """Measure the claims of every entry, and the curves that the page draws."""
-    found, curves = [], {}
+    found = []
+    curves = {}
     for entry in tqdm([e for part in CHAPTERS.values() for e in part], unit="entry", leave=False):
         finding = entry.measure()
         for side in ("counterexample", "ours"):

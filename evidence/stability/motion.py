@@ -13,7 +13,11 @@ from rope_model.solver_parameters import Mesh, Solver
 
 # an end that is lowered faster than the rope can fall, and stopped
 
-LENGTH, DROP, FALL, END, H = 30.0, 1.5, 0.35, 1.0, 0.005  # m, m, s, s, s
+LENGTH = 30.0  # m
+DROP = 1.5  # m
+FALL = 0.35  # s
+END = 1.0  # s
+H = 0.005  # s
 
 
 class Drop(NamedTuple):
@@ -27,10 +31,10 @@ class Drop(NamedTuple):
 
 def drop(solver: Solver) -> Drop:
     """The left conveyance goes down by DROP within FALL, with up to 7 g, and stands."""
-    rope, rows = (
-        at_rest(Scene(rope=Rope(length=LENGTH), mesh=Mesh(kind="eem", elements=60), solver=solver)),
-        [],
+    rope = at_rest(
+        Scene(rope=Rope(length=LENGTH), mesh=Mesh(kind="eem", elements=60), solver=solver)
     )
+    rows = []
     for k in range(1, round(END / H) + 1):
         if not rope.advance_to(k * H, moving(-DROP, k * H, FALL, y=1.0), AT_ZERO).valid:
             break

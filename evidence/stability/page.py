@@ -21,6 +21,7 @@ TITLES = {
     "locking": ("Side force of a hanging loop: elements that are too long make it too stiff", True),
     "swivel-chattering": ("A swivel that comes to rest", False),
 }
+MARKED = 9  #: Number of points from which on a curve has no markers.
 
 
 def page(tables: Tables) -> str:
@@ -56,18 +57,13 @@ def _summary(t: Table, entry: Entry) -> tuple[str, ...]:
 def draw(tables: Tables, key: str) -> Figure:
     """Draw the recorded curves of an entry."""
     made, axes = figure(1, 1, 3.6)
-    ax, t = axes[0, 0], tables[key]
+    ax = axes[0, 0]
+    t = tables[key]
     _, x, y = t
     title, logarithmic = TITLES[key]
     for k, name in enumerate(dict.fromkeys(t["curve"].tolist())):
         of = rows(t, curve=name)
-        ax.plot(
-            of[x],
-            of[y],
-            "*" if of[x].size == 1 else "o-" if of[x].size < 9 else "-",
-            color=CURVES[k],
-            label=name,
-        )
+        ax.plot(of[x], of[y], _line(of[x].size), color=CURVES[k], label=name)
     ax.set(title=title, xlabel=x, ylabel=y)
     if logarithmic:
         ax.set(xscale="log", yscale="log")
@@ -78,3 +74,12 @@ def draw(tables: Tables, key: str) -> Figure:
 
 
 FIGURES: dict[str, Callable[[Tables], Figure]] = {key: partial(draw, key=key) for key in TITLES}
+
+
+def _line(points: int) -> str:
+    """Return the format of a curve for Matplotlib: markers while they can be told apart."""
+    if points == 1:
+        return "*"
+    if points < MARKED:
+        return "o-"
+    return "-"

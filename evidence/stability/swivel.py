@@ -36,7 +36,10 @@ def scene_of(left: Swivel) -> Scene:
 
 # chattering
 
-YAW, TURNED, END, H = 0.8, 1.0, 4.0, 0.01  # rad, s, s, s
+YAW = 0.8  # rad
+TURNED = 1.0  # s
+END = 4.0  # s
+H = 0.01  # s
 
 
 def turn(t: float) -> EndMotion:
@@ -77,7 +80,8 @@ def explicit_sign(scene: Scene) -> Array:
 
 def locate(rope: BalanceRope) -> tuple[Array, list[str]]:
     """Return the rates (rad/s) at the communication points, and the events of the rope's own switching."""
-    rates, events = [0.0], []
+    rates = [0.0]
+    events = []
     for k in range(1, round(END / H) + 1):
         require(rope.advance_to(k * H, turn(k * H), EndMotion()))
         rates.append(rope.signals(["left.swivel.rate"])["left.swivel.rate"])

@@ -23,7 +23,11 @@ from rope_model.physics.node import ANGLE, POSITION
 from rope_model.reference.statics import find_equilibrium
 
 #: m, m, N, N m^2, N m^2
-LENGTH, SLACK, AXIAL, BEND, TORSION = 60.0, 4.0, 1e7, 200.0, 400.0
+LENGTH = 60.0
+SLACK = 4.0
+AXIAL = 1e7
+BEND = 200.0
+TORSION = 400.0
 TURNS = (4.0, 5.0)
 #: turns between two shapes at rest
 STEP = 0.25
@@ -49,7 +53,8 @@ def planar(length: float, slack: float, elements: int) -> Array:
     q = np.zeros((s.size, 7))
     # so high that its arc is about as long as the rod
     height = 2.0 / math.pi * math.sqrt(slack * (length - slack))
-    q[:, 0], q[:, 1] = s * (1.0 - slack / length), height * np.sin(math.pi * s / length) ** 2
+    q[:, 0] = s * (1.0 - slack / length)
+    q[:, 1] = height * np.sin(math.pi * s / length) ** 2
     q[:, 3:6] = np.gradient(q[:, POSITION], s, axis=0)
     q[:, 3:6] /= np.linalg.norm(q[:, 3:6], axis=1)[:, None]
     q[[0, -1], 3:6] = [1.0, 0.0, 0.0]

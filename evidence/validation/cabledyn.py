@@ -22,10 +22,16 @@ from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics.node import ANGLE, POSITION
 from rope_model.solver_parameters import Mesh, Model
 
-ROPE, GRAVITY = Rope(Qb=0.0, Qc=0.0), Layout().gravity
-SPACING, ELEMENTS = 0.5, 480  # m
+ROPE = Rope(Qb=0.0, Qc=0.0)
+GRAVITY = Layout().gravity
+SPACING = 0.5  # m
+ELEMENTS = 480  # m
 #: deg, m, s
-TWIST, WAY, TIME, DURATION, STEP = 90.0, 60.0, 10.0, 14.0, 0.01
+TWIST = 90.0
+WAY = 60.0
+TIME = 10.0
+DURATION = 14.0
+STEP = 0.01
 #: s between the rows of the table
 EVERY = 0.25
 
@@ -93,7 +99,8 @@ def our_winding(rope: Rope, elements: int, ends: Sequence[EndMotion]) -> Course:
         require(form.advance_to(k * STEP, end, AT_ZERO))
         motions.append(form.state.motion)
     reaction = np.array([m.reaction[[0, -1]] for m in motions])
-    pull, torque = np.linalg.norm(reaction[:, :, POSITION], axis=2), -reaction[:, 0, ANGLE]
+    pull = np.linalg.norm(reaction[:, :, POSITION], axis=2)
+    torque = -reaction[:, 0, ANGLE]
     return Course(pull, torque, np.array([m.q[:, POSITION] for m in motions]))
 
 
@@ -119,7 +126,8 @@ class Cable:
             f"{k * STEP:.6f} 1 0 0 {e.y:.16g} 0 0 {e.vy:.16g} 0 0 {e.ay:.16g} {x:.12g}"
             for k, (e, x) in enumerate(zip(ends, roll, strict=True))
         ]
-        duration, rho = (len(ends) - 1) * STEP, fixed_steps(STEP).rho_inf
+        duration = (len(ends) - 1) * STEP
+        rho = fixed_steps(STEP).rho_inf
         options = f"{STEP} dtM", f"{duration} TMax", f"{rho} rhoInf", "motion.txt motionFile"
         outputs = "FairTen1", "AnchTen1", "Torq1N1"
         data = {
@@ -156,10 +164,8 @@ class Cable:
 
 def winding() -> Table:
     """Without coupling."""
-    ends, twisted = (
-        sampled(lambda t: moving(WAY, t, TIME, y=1.0)),
-        replace(ROPE, installed_twist=math.radians(TWIST)),
-    )
+    ends = sampled(lambda t: moving(WAY, t, TIME, y=1.0))
+    twisted = replace(ROPE, installed_twist=math.radians(TWIST))
     cable = Cable(ROPE.Qa, ROPE.length, ELEMENTS, SPACING, TWIST)
     return compared(our_winding(twisted, ELEMENTS, ends), cable.follow(ends, np.zeros(len(ends))))
 
@@ -169,7 +175,8 @@ def compared(ours: Course, theirs: Course) -> Table:
     found = []
     for k in range(0, len(theirs.nodes), round(EVERY / STEP)):
         for code, x in {"ours": ours, "CableDyn": theirs}.items():
-            lowest, aside = x.nodes[k, :, 1].min(), np.abs(x.nodes[k, :, 2]).max()
+            lowest = x.nodes[k, :, 1].min()
+            aside = np.abs(x.nodes[k, :, 2]).max()
             apart = np.linalg.norm(x.nodes[k] - theirs.nodes[k], axis=1).max()
             found.append((k * STEP, code, *x.pull[k], x.torque[k], lowest, aside, apart))
     return table(("time", "code", "moving", "held", "torque", "lowest", "aside", "apart"), found)

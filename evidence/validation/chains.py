@@ -41,7 +41,8 @@ def pull(x: Array) -> Array:
 
 def pulls() -> Table:
     """Ours and the chain's, over the weight, on the tip's way down."""
-    found, x = _fallen(), np.array(DEPTHS)
+    found = _fallen()
+    x = np.array(DEPTHS)
     ours = np.interp(x, found.depth / CHAIN, found.pull / (WEIGHT * CHAIN))
     return table(("depth", "ours", "chain"), list(zip(x, ours, pull(x), strict=True)))
 
@@ -57,7 +58,8 @@ def swings(elements: int = 80) -> Table:
     rope = Rope(EI=EI, Qb=0.0, Qc=0.0)
     s = np.linspace(0.0, rope.length, elements + 1)
     q = np.zeros((s.size, 7))
-    q[:, 1], q[:, 4] = -s, -1.0
+    q[:, 1] = -s
+    q[:, 4] = -1.0
     equations = rod(rope, GRAVITY, q, held(q, OUT_OF_PLANE, (0, POSITION)))
     q = find_equilibrium(equations, q).q
     stiffness = matrix(equations, q, (1.0, 0.0, 0.0))

@@ -26,7 +26,8 @@ from rope_model import EndMotion, Mesh, Scene
 
 HEIGHTS = (0.0, 40.0, 80.0)  # m
 #: at rest, coarse and fine; in motion
-MESHES, ELEMENTS = (480, 960), 240
+MESHES = (480, 960)
+ELEMENTS = 240
 QUANTITIES = (("torque", "N m"), ("yaw of the loop", "deg"), ("lowest point, y", "m"))
 #: each leaves less than a tenth of the change of the one before, at rest
 RUNS = 5
@@ -52,7 +53,8 @@ def followed(spacing: float, drop: float, elements: int, ends: list[EndMotion]) 
             _EA, PUBLISHED.length * (1.0 - _STRAIN * torque[0]), elements, spacing, turn[0], drop
         )
         found = cable.follow(ends, turn[0] - turn)
-        torque, strain = found.torque, found.tension.mean(axis=1) / _EA
+        torque = found.torque
+        strain = found.tension.mean(axis=1) / _EA
     return found
 
 

@@ -62,7 +62,9 @@ def fall(EI: float, elements: int, largest: float, tolerance: float) -> Fall:
     motion = restart(equations, 0.0, q, np.zeros_like(q))
     start = potential(equations.balance(q, motion.v))
     local_error = coefficients(RHO_INF).local_error
-    h, dissipated, unexplained = largest, 0.0, 0.0
+    h = largest
+    dissipated = 0.0
+    unexplained = 0.0
     rows = [(0.0, 0.0, float(motion.reaction[0, 1]))]
     while h > 1e-7 and motion.t < 2 * math.sqrt(2 * CHAIN / GRAVITY):
         new = step(equations, motion, h, RHO_INF, NEWTON).motion

@@ -14,7 +14,8 @@ ALONE = "make validate"
 
 def _wires(t: Table) -> Iterator[Row]:
     for k, wire in enumerate(wires.WIRES, 1):
-        least, most = min(wire.twists), max(wire.twists)
+        least = min(wire.twists)
+        most = max(wire.twists)
         source = f"{wire.name} wire of {1e3 * wire.mass:.1f} g/m, {least:.0f} to {most:.0f} deg in five tests"
         for part, gaps, bound in (
             ("a", wires.GAPS, 0.5 * wires.STEP),
@@ -37,10 +38,8 @@ def _wires(t: Table) -> Iterator[Row]:
 def _poses(t: Table) -> Iterator[Row]:
     for k, pose in enumerate(poses.POSES, 1):
         source = f"wires of 0.4 m held by a robot, pose {k}, then turned by {pose.turn:g} deg"
-        what, value = (
-            "shape, worst wire and stiffness: RMS deviation",
-            float(np.max(rows(t, pose=k)["apart"])),
-        )
+        what = "shape, worst wire and stiffness: RMS deviation"
+        value = float(np.max(rows(t, pose=k)["apart"]))
         yield Row(f"W-{k + 3}", "measured", source, what, value, "mm", math.nan, ALONE)
 
 
@@ -111,7 +110,8 @@ def onset_rows(t: Table) -> Iterator[Row]:
 
 def _winding(t: Table) -> Iterator[Row]:
     """A tenth of what half the step or twice the elements changed in a lift of 40 m in 8 s, which is not this one."""
-    ours, theirs = rows(t, code="ours"), rows(t, code="CableDyn")
+    ours = rows(t, code="ours")
+    theirs = rows(t, code="CableDyn")
     rope = "120 m of rope, clamped as a U, twisted by 90 deg"
     source = f"CableDyn 0.3.0: {rope}, one end raised by 60 m in 10 s, then 4 s at rest"
     for k, name, what, bound in (
@@ -148,13 +148,12 @@ def _coupled_rest(t: Table) -> Iterator[Row]:
 
 def _coupled_winding(t: Table) -> Iterator[Row]:
     """What twice the elements and half the step changed in ours, together."""
-    ours, theirs = rows(t, code="ours"), rows(t, code="CableDyn")
+    ours = rows(t, code="ours")
+    theirs = rows(t, code="CableDyn")
     source = "CableDyn 0.3.0 by equivalence: 120 m of coupled rope, one end raised by 60 m in 10 s, then 4 s at rest"
     off = {name: np.abs(ours[name] - theirs[name]) for name in ("torque", "moving", "held")}
-    value, torque = (
-        float(np.sqrt(np.mean(off["torque"] ** 2))),
-        float(np.sqrt(np.mean(theirs["torque"] ** 2))),
-    )
+    value = float(np.sqrt(np.mean(off["torque"] ** 2)))
+    torque = float(np.sqrt(np.mean(theirs["torque"] ** 2)))
     yield Row(
         "D-8",
         "code",

@@ -19,7 +19,10 @@ from rope_model.parameters import Rope
 from rope_model.physics.node import ANGLE, arc_lengths
 from rope_model.reference.equations import Equations
 
-BEND, TWIST_STIFFNESS, AXIAL, TENSION = 1.0, 0.7, 1e3, 1.0  # N m^2, N m^2, N, N
+BEND = 1.0  # N m^2
+TWIST_STIFFNESS = 0.7  # N m^2
+AXIAL = 1e3  # N
+TENSION = 1.0  # N
 
 #: M/(2 sqrt(EI T)) by T L^2/EI, as printed there
 PRINTED = {400.0: 1.0124, 1600.0: 1.0031}
@@ -34,7 +37,8 @@ def straight_rod(elements: int, length: float) -> tuple[Equations, Array]:
     rope = Rope(length, 1.0, AXIAL, 0.0, 0.0, TWIST_STIFFNESS, EI=BEND, rhoJ=0.1)
     s = np.linspace(0.0, length, elements + 1)
     q = np.zeros((s.size, 7))
-    q[:, 0], q[:, 3] = s * (1 + TENSION / AXIAL), 1 + TENSION / AXIAL
+    q[:, 0] = s * (1 + TENSION / AXIAL)
+    q[:, 3] = 1 + TENSION / AXIAL
     return rod(rope, 0.0, q, clamped(q)), q
 
 
@@ -53,12 +57,10 @@ def theory(slenderness: float) -> float:
     def condition(m: float) -> float:
         """Zero where w(-s) = conj(w(s)) satisfies the clamps; divided by l, which is no solution."""
         l = math.sqrt(m * m - 1.0)
-        cm, sm, cl, sl = (
-            math.cos(m * half),
-            math.sin(m * half),
-            math.cos(l * half),
-            math.sin(l * half),
-        )
+        cm = math.cos(m * half)
+        sm = math.sin(m * half)
+        cl = math.cos(l * half)
+        sl = math.sin(l * half)
         # of the two waves, c = cos(l s) exp(i m s) and d = i sin(l s) exp(i m s): real part's slope, imaginary part
         slope = (-m * sm * cl - l * cm * sl, -m * cm * sl - l * sm * cl)
         value = (sm * cl, cm * sl)
@@ -76,7 +78,8 @@ def theory(slenderness: float) -> float:
 def ours(slenderness: float, elements: int = 80) -> float:
     """The same by the stability of the model's straight rod."""
     equations, q = straight_rod(elements, math.sqrt(slenderness * BEND / TENSION))
-    low, high = 0.9 * INFINITE, 1.5 * INFINITE
+    low = 0.9 * INFINITE
+    high = 1.5 * INFINITE
     while high - low > 1e-5:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if is_stable(equations, q, middle) else (low, middle)

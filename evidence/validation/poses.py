@@ -24,13 +24,16 @@ from evidence.validation.wires import GRAVITY, WIRES, Wire
 from rope_model.physics.node import ANGLE, POSITION, SLOPE
 from rope_model.reference.statics import find_equilibrium
 
-LENGTH, ELEMENTS = 0.4, 60  # m
+LENGTH = 0.4  # m
+ELEMENTS = 60  # m
 #: steps of the way to the pose, and of a turn of 360 deg
-MOVES, TURNS = 20, 36
+MOVES = 20
+TURNS = 36
 #: points of the wire that are compared, the fixed end included
 POINTS = 11
 #: of the camera: pixels, and deg
-PIXELS, VIEW = np.array([640.0, 576.0]), np.array([75.0, 65.0])
+PIXELS = np.array([640.0, 576.0])
+VIEW = np.array([75.0, 65.0])
 #: from the axes of the authors' world, the third up, to ours, the second up
 OURS = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 #: of the robot's hand: its third axis lies along the straight wire
@@ -58,7 +61,8 @@ def shape(wire: Wire, EI: float, GJ: float, pose: Pose) -> Array:
     """(nodes, 3), m, from the robot's end to the fixed one."""
     s = np.linspace(0.0, 1.0, ELEMENTS + 1)
     q = np.zeros((s.size, 7))
-    q[:, 0], q[:, SLOPE] = LENGTH * s, (1.0, 0.0, 0.0)
+    q[:, 0] = LENGTH * s
+    q[:, SLOPE] = (1.0, 0.0, 0.0)
     equations = rod(wire.rope(LENGTH, EI, GJ), GRAVITY, q, held(q, [0, -1]))
     for part in np.arange(1, MOVES + 1) / MOVES:
         hand = HAND * Rotation.from_rotvec(part * np.array(pose.tilt), degrees=True)
@@ -99,7 +103,8 @@ def apart(wire: Wire, EI: float, GJ: float, pose: int) -> float:
     # the camera looks against the first and second axis of the world
     ours = _at_equal_lengths(shape(wire, EI, GJ, POSES[pose])[::-1]) @ OURS * (-1.0, -1.0, 1.0)
     theirs = measured(wire.name, pose)
-    ours, theirs = ours - ours[0], theirs - theirs[0]
+    ours = ours - ours[0]
+    theirs = theirs - theirs[0]
     a, b = (x[-1] / np.linalg.norm(x[-1]) for x in (theirs, ours))
     axis = np.cross(a, b)
     size = float(np.linalg.norm(axis))

@@ -20,14 +20,16 @@ from rope_model.physics.node import ANGLE, SLOPE
 from rope_model.reference.equations import Equations
 from rope_model.reference.statics import find_equilibrium
 
-LENGTH, GRAVITY = 1.5, 9.81  # m, m/s^2; of the published set-up
+LENGTH = 1.5  # m, of the published set-up
+GRAVITY = 9.81  # m/s^2
 #: m between the ends, as we read it from the authors' model of their holder; and what we could have misread
 GAP = 0.09
 GAPS = (0.06, GAP, 0.12)
 #: N, assumed: it stretches the wires by less than 1e-3 of their length
 QA = 1e3
 #: deg: the end's turn between two shapes at rest, and the largest that is tried
-STEP, MOST = 10.0, 3000.0
+STEP = 10.0
+MOST = 3000.0
 
 
 @dataclass(frozen=True)
@@ -83,7 +85,8 @@ WIRES = (
 def ring(wire: Wire, EI: float, GJ: float, gap: float, elements: int) -> tuple[Equations, Array]:
     """The wire without twist and a circle to find its shape from."""
     s = np.linspace(0.0, 1.0, elements + 1)
-    turn, radius = 2 * np.pi * s, LENGTH / (2 * np.pi)
+    turn = 2 * np.pi * s
+    radius = LENGTH / (2 * np.pi)
     q = np.zeros((s.size, 7))
     q[:, 0] = gap * (s - 0.5) - radius * np.sin(turn)
     q[:, 1] = -radius * (1 - np.cos(turn))

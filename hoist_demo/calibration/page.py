@@ -85,13 +85,6 @@ def complaints(result: CalibrationResult) -> list[str]:
     return [*filter(None, [misfit(result)]), *reached]
 
 
-def exit_code(result: CalibrationResult) -> int:
-    """Return the command's exit code: 1 if the measurements contradict the model or one another."""
-    if result.fit.contradicted:
-        return 1
-    return 0
-
-
 def write_page(result: CalibrationResult, path: Path) -> Path:
     """Write the HTML page of an identification and return its path."""
     problem = result.measurement_file.problem

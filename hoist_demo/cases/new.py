@@ -8,21 +8,42 @@ installation.
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
-from hoist_demo.cases.rules import HEAD_ROPE_STIFFNESS, TAIL_SPARE, RuleInputs
+from hoist_demo.cases.rules import (
+    HEAD_ROPE_STIFFNESS,
+    TAIL_SPARE,
+    TRIP_TORQUE,
+    RuleInputs,
+)
 from hoist_demo.cases.writing import hoist_text
 from hoist_demo.files.registry import data_of
-from hoist_demo.files.values import DERIVED, ParameterValue, values_of
+from hoist_demo.files.values import ASSUMED, DERIVED, ParameterValue, ParameterValues, values_of
 from hoist_demo.parameters import GRAVITY, hoist_with
 from hoist_demo.parameters.quantity import Bounds, Parameter, Value
 from rope_model import rope as catalogue_rope
 
-_SHAFT = 12.0  #: Frequency of the motor against the sheave [Hz, assumed].
+# All [assumed]; the file states each beside the value that follows from it.
+CONVEYANCE_MASS = 0.9  #: Mass of a conveyance over the payload.
+SHEAVE_MASS = 1.5  #: Mass of the sheave at its rim over the payload.
+MOTOR_MASS = 0.4  #: Mass of the motor at the sheave's rim over the sheave's.
+SHAFT_FREQUENCY = 12.0  #: Frequency of the motor against the sheave [Hz].
+HEAD_ROPE_DENSITY = 4000.0  #: Mass per length of a head rope over its squared diameter [kg/m^3].
+SHEAVE_RADIUS = 50.0  #: Radius of the sheave over the diameter of a head rope.
+LOSS_COULOMB = 0.01  #: Friction of the drive over a conveyance's weight.
+LOSS_VISCOUS = 0.02  #: Viscous loss of the drive over the payload [1/s].
+GUIDES_COULOMB = 0.005  #: Friction of the guides over a conveyance's weight.
+GUIDES_VISCOUS = 0.01  #: Viscous loss of the guides over the payload [1/s].
+LIFTING_TORQUE = 2.6  #: Limit of the motor over the torque that lifts the payload.
+BRAKE_TORQUE = 3.0  #: Torque of the brake over the payload's.
+ROPE_DISTANCE = 0.25  #: Distance of ropes of alternate lay over layout.spacing.
 _COMMENT = """\
 Written by balance-rope new. Values are SI or { value, unit, status, source }, status: published, data sheet, measured,
 given, derived (by the rule behind it) or assumed. Replace what you know and say where it comes from; what you delete
 follows by a rule or is a default: balance-rope show FILE prints it all."""
-LAYS = ("right-hand", "left-hand", "alternate")
+HANDS = ("right-hand", "left-hand")
+ALTERNATE = "alternate"  #: Lay of ropes that alternate, so that their torques cancel.
+LAYS = (*HANDS, ALTERNATE)
 #: Inputs for a new hoist; those without a start are required, but for the conveyance's mass.
 WISHES = (
     Parameter("depth", "m", "Real", "", Bounds(1.0, 4000.0), meaning="way between the landings"),
@@ -34,7 +55,7 @@ WISHES = (
         "Real",
         0.0,
         Bounds(1.0),
-        meaning="each, with its attachments; 0.9 of the payload",
+        meaning=f"each, with its attachments; {CONVEYANCE_MASS:g} of the payload",
     ),
     Parameter("head-ropes", "1", "Integer", 4, Bounds(1, 20), meaning="head ropes"),
     Parameter("ropes", "1", "Integer", 1, Bounds(1, 20), meaning="balance ropes"),
@@ -47,119 +68,206 @@ WISHES = (
 )
 
 
+@dataclass(frozen=True)
+class _Wishes:
+    """Values of WISHES with their statuses, and what they say as numbers."""
+
+    entries: ParameterValues
+
+    def number(self, wish: str) -> float:
+        """Return the value of a wish as a number."""
+        return float(self.entries[wish].value)
+
+    @property
+    def ropes(self) -> int:
+        """Number of the balance ropes."""
+        return int(self.number("ropes"))
+
+    @property
+    def construction(self) -> str:
+        """Construction of the balance ropes, of the catalogue."""
+        return str(self.entries["rope"].value)
+
+    @property
+    def rope_mass(self) -> float:
+        """Mass per length of a balance rope [kg/m]; ValueError where it is not in the catalogue."""
+        rope = catalogue_rope(self.construction, self.number("diameter"))
+        return rope.middle.mass_per_length
+
+    @property
+    def head_rope_mass(self) -> float:
+        """Mass per length of a head rope that balances the ropes below [kg/m]."""
+        return self.ropes * self.rope_mass / self.number("head-ropes")
+
+    @property
+    def head_rope_diameter(self) -> float:
+        """Diameter of a head rope [m]."""
+        return math.sqrt(self.head_rope_mass / HEAD_ROPE_DENSITY)
+
+    @property
+    def sheave_radius(self) -> float:
+        """Radius of the sheave [m]."""
+        return _rounded(SHEAVE_RADIUS * self.head_rope_diameter)
+
+
 def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
     """Return the text of a file by values of WISHES.
 
     ValueError where the rope is not in the catalogue.
     """
-    inputs = {p.name: ParameterValue(p.start, "assumed") for p in WISHES}
-    inputs |= {wish: ParameterValue(value) for wish, value in chosen.items()}
-    wish = {
-        key: float(entry.value) for key, entry in inputs.items() if not isinstance(entry.value, str)
-    }
-    kind = str(inputs["rope"].value)
-    payload = wish["payload"]
-    depth = wish["depth"]
-    mass = catalogue_rope(kind, wish["diameter"]).middle.mass_per_length
+    entries = {p.name: _assumed(p.start) for p in WISHES}
+    entries |= {wish: ParameterValue(value) for wish, value in chosen.items()}
     if "conveyance" not in chosen:
-        inputs["conveyance"] = ParameterValue(0.9 * payload, DERIVED, "0.9 of the payload")
-    conveyance = float(inputs["conveyance"].value)
-    number = int(wish["ropes"])
-    head_mass = number * mass / wish["head-ropes"]
-    head_diameter = math.sqrt(head_mass / 4000.0)
-    radius = _rounded(50.0 * head_diameter)
-    sheave = _rounded(1.5 * payload)
-    motor = _rounded(0.4 * sheave)
-    omega = 2.0 * math.pi * _SHAFT
-    stiffness = _rounded(omega**2 * motor * (sheave - motor) / sheave * radius**2)
+        entries["conveyance"] = _derived(
+            CONVEYANCE_MASS * float(entries["payload"].value),
+            f"{CONVEYANCE_MASS:g} of the payload",
+        )
+    wishes = _Wishes(entries)
+    values = {**_host_values(wishes), **_trip_values(wishes)}
+    values |= _drive_limits(wishes, values)
+    return hoist_text(name, values, _ropes(wishes), _COMMENT)
 
-    def rule(value: float, expression: str) -> ParameterValue:
-        return ParameterValue(value, DERIVED, expression)
 
-    def ours(value: Value) -> ParameterValue:
-        return ParameterValue(value, "assumed")
+def _derived(value: float, rule: str) -> ParameterValue:
+    return ParameterValue(value, DERIVED, rule)
 
-    values = {
-        "hoist.shaft_travel": inputs["depth"],
-        "hoist.payload_left": inputs["payload"],
-        "hoist.conveyance_mass": inputs["conveyance"],
-        "hoist.head_rope_number": inputs["head-ropes"],
-        "hoist.head_rope_mass": rule(
-            head_mass, "the balance ropes' mass over the head ropes' number"
+
+def _assumed(value: Value) -> ParameterValue:
+    return ParameterValue(value, ASSUMED)
+
+
+def _host_values(wishes: _Wishes) -> dict[str, ParameterValue]:
+    """Return conveyances, head ropes, sheave and losses."""
+    payload = wishes.number("payload")
+    weight = wishes.number("conveyance") * GRAVITY
+    return {
+        "hoist.shaft_travel": wishes.entries["depth"],
+        "hoist.payload_left": wishes.entries["payload"],
+        "hoist.conveyance_mass": wishes.entries["conveyance"],
+        "hoist.head_rope_number": wishes.entries["head-ropes"],
+        "hoist.head_rope_mass": _derived(
+            wishes.head_rope_mass, "the balance ropes' mass over the head ropes' number"
         ),
-        "hoist.head_rope_stiffness": rule(HEAD_ROPE_STIFFNESS * head_mass, "110 GPa of the steel"),
-        "hoist.head_rope_damping": ours(0.02),
-        "hoist.head_rope_length_up": ours(40.0),
-        "hoist.head_rope_modes": ours(2),
-        "hoist.sheave_radius": rule(
-            radius, f"50 times {head_diameter:.3f} m, a head rope of 4000 kg/m3 d2"
+        "hoist.head_rope_stiffness": _derived(
+            HEAD_ROPE_STIFFNESS * wishes.head_rope_mass,
+            f"{HEAD_ROPE_STIFFNESS:g} m2/s2 times its mass",
         ),
-        "hoist.sheave_mass": rule(sheave, "1.5 times the payload"),
-        "hoist.loss_coulomb": rule(
-            _rounded(0.01 * conveyance * GRAVITY), "1 % of a conveyance's weight"
+        "hoist.head_rope_damping": _assumed(0.02),
+        "hoist.head_rope_length_up": _assumed(40.0),
+        "hoist.head_rope_modes": _assumed(2),
+        "hoist.sheave_radius": _derived(
+            wishes.sheave_radius,
+            f"{SHEAVE_RADIUS:g} times {wishes.head_rope_diameter:.3f} m, a head rope of "
+            f"{HEAD_ROPE_DENSITY:g} kg/m3 d2",
         ),
-        "hoist.loss_viscous": rule(_rounded(0.02 * payload), "0.02 1/s of the payload"),
-        "hoist.friction_coefficient": ours(0.25),
-        "hoist.wrap_angle": ours(math.pi),
-        "hoist.drive_shaft.motor_mass": rule(motor, "0.4 of the sheave's"),
-        "hoist.drive_shaft.stiffness": rule(stiffness, f"{_SHAFT:g} Hz"),
-        "hoist.guides.coulomb": rule(
-            _rounded(0.005 * conveyance * GRAVITY), "0.5 % of a conveyance's weight"
+        "hoist.sheave_mass": _derived(
+            _rounded(SHEAVE_MASS * payload), f"{SHEAVE_MASS:g} times the payload"
         ),
-        "hoist.guides.viscous": rule(_rounded(0.01 * payload), "0.01 1/s of the payload"),
-        "hoist.play.clearance": ours(5e-3),
-        "winding.travel": rule(depth, "from landing to landing"),
-        "winding.speed": inputs["speed"],
-        "winding.acceleration": inputs["acceleration"],
-        "winding.jerk": inputs["jerk"],
-        "winding.settle": ours(15.0),
-        "winding.emergency_deceleration": ours(2.0),
-        "layout.spacing": inputs["spacing"],
+        "hoist.loss_coulomb": _derived(
+            _rounded(LOSS_COULOMB * weight), f"{100.0 * LOSS_COULOMB:g} % of a conveyance's weight"
+        ),
+        "hoist.loss_viscous": _derived(
+            _rounded(LOSS_VISCOUS * payload), f"{LOSS_VISCOUS:g} 1/s of the payload"
+        ),
+        "hoist.friction_coefficient": _assumed(0.25),
+        "hoist.wrap_angle": _assumed(math.pi),
+        **_drive_shaft(wishes),
+        "hoist.guides.coulomb": _derived(
+            _rounded(GUIDES_COULOMB * weight),
+            f"{100.0 * GUIDES_COULOMB:g} % of a conveyance's weight",
+        ),
+        "hoist.guides.viscous": _derived(
+            _rounded(GUIDES_VISCOUS * payload), f"{GUIDES_VISCOUS:g} 1/s of the payload"
+        ),
+        "hoist.play.clearance": _assumed(5e-3),
     }
+
+
+def _drive_shaft(wishes: _Wishes) -> dict[str, ParameterValue]:
+    """Return the motor's mass, and the stiffness that gives its frequency against the sheave."""
+    sheave = _rounded(SHEAVE_MASS * wishes.number("payload"))
+    motor = _rounded(MOTOR_MASS * sheave)
+    omega = 2.0 * math.pi * SHAFT_FREQUENCY
+    stiffness_at_rim = omega**2 * motor * (sheave - motor) / sheave
+    stiffness = _rounded(stiffness_at_rim * wishes.sheave_radius**2)
+    return {
+        "hoist.drive_shaft.motor_mass": _derived(motor, f"{MOTOR_MASS:g} of the sheave's"),
+        "hoist.drive_shaft.stiffness": _derived(stiffness, f"{SHAFT_FREQUENCY:g} Hz"),
+    }
+
+
+def _trip_values(wishes: _Wishes) -> dict[str, ParameterValue]:
+    """Return the trip, and the distance of the rope's ends."""
+    return {
+        "winding.travel": _derived(wishes.number("depth"), "from landing to landing"),
+        "winding.speed": wishes.entries["speed"],
+        "winding.acceleration": wishes.entries["acceleration"],
+        "winding.jerk": wishes.entries["jerk"],
+        "winding.settle": _assumed(15.0),
+        "winding.emergency_deceleration": _assumed(2.0),
+        "layout.spacing": wishes.entries["spacing"],
+    }
+
+
+def _drive_limits(wishes: _Wishes, values: ParameterValues) -> dict[str, ParameterValue]:
+    """Return the limits of motor and brake for the hoist and the trip of `values`."""
     parts = data_of(values_of(values))
-    whole = hoist_with(parts["hoist"], [(number * mass, depth + TAIL_SPARE)])
-    lifting = 2.6 * payload * GRAVITY * radius
-    trip = 1.5 * RuleInputs(whole, parts["winding"], whole).torque()
-    torque = _rounded(max(lifting, trip))
-    values["hoist.torque_limit"] = rule(
-        torque, "2.6 times what lifts the payload, or 1.5 times what the trip asks for"
-    )
-    stopping = radius * (
-        whole.moving_mass * parts["winding"].emergency_deceleration + payload * GRAVITY
-    )
-    brake = _rounded(max(3.0 * payload * GRAVITY * radius, stopping))
-    values["hoist.brake.torque"] = rule(
-        brake, "3 times the payload's, or an emergency stop's with the payload going down"
-    )
-    values["hoist.power_limit"] = rule(
-        _rounded(torque * wish["speed"] / radius), "of the torque at full speed"
-    )
-    alternate = inputs["lay"].value == LAYS[-1] and number > 1
+    winding = parts["winding"]
+    balance_ropes = (wishes.ropes * wishes.rope_mass, wishes.number("depth") + TAIL_SPARE)
+    hoist = hoist_with(parts["hoist"], [balance_ropes])
+    radius = wishes.sheave_radius
+    payload = wishes.number("payload")
+    lifting = LIFTING_TORQUE * payload * GRAVITY * radius
+    trip = TRIP_TORQUE * RuleInputs(hoist, winding, hoist).torque()
+    motor = _rounded(max(lifting, trip))
+    stopping = radius * (hoist.moving_mass * winding.emergency_deceleration + payload * GRAVITY)
+    brake = _rounded(max(BRAKE_TORQUE * payload * GRAVITY * radius, stopping))
+    power = _rounded(motor * wishes.number("speed") / radius)
+    return {
+        "hoist.torque_limit": _derived(
+            motor,
+            f"{LIFTING_TORQUE:g} times what lifts the payload, or {TRIP_TORQUE:g} times what the "
+            "trip asks for",
+        ),
+        "hoist.brake.torque": _derived(
+            brake,
+            f"{BRAKE_TORQUE:g} times the payload's, or an emergency stop's with the payload going "
+            "down",
+        ),
+        "hoist.power_limit": _derived(power, "of the torque at full speed"),
+    }
+
+
+def _ropes(wishes: _Wishes) -> list[dict[str, ParameterValue]]:
+    """Return the [[rope]] tables: one of equal ropes, or ropes of alternate lay side by side."""
+    number = wishes.ropes
+    lay = str(wishes.entries["lay"].value)
+    if lay != ALTERNATE or number == 1:
+        rope = {"rope.number": ParameterValue(number), **_rope_values(wishes, lay)}
+        return [rope]
     ropes = list[dict[str, ParameterValue]]()
-    if alternate:
-        for k in range(number):
-            z = round(0.25 * wish["spacing"] * (k - 0.5 * (number - 1)), 3)
-            ropes.append(
-                {
-                    "rope.name": ParameterValue(f"rope{k + 1}"),
-                    "rope.z": rule(z, "a quarter of the spacing apart"),
-                    "rope.construction": ParameterValue(kind),
-                    "rope.lay": ParameterValue(LAYS[k % 2]),
-                }
-            )
-    else:
+    for k in range(number):
+        z = ROPE_DISTANCE * wishes.number("spacing") * (k - 0.5 * (number - 1))
         ropes.append(
             {
-                "rope.number": ParameterValue(number),
-                "rope.construction": ParameterValue(kind),
-                "rope.lay": ParameterValue(inputs["lay"].value),
+                "rope.name": ParameterValue(f"rope{k + 1}"),
+                "rope.z": _derived(round(z, 3), f"{ROPE_DISTANCE:g} of the spacing apart"),
+                **_rope_values(wishes, HANDS[k % len(HANDS)]),
             }
         )
-    for rope in ropes:
-        rope["rope.diameter"] = inputs["diameter"]
-        rope["rope.length"] = rule(depth + TAIL_SPARE, f"travel and {TAIL_SPARE:g} m")
-        rope["rope.swivels.mode"] = ParameterValue("coulomb")
-    return hoist_text(name, values, ropes, _COMMENT)
+    return ropes
+
+
+def _rope_values(wishes: _Wishes, lay: str) -> dict[str, ParameterValue]:
+    """Return what a [[rope]] says of the rope itself."""
+    length = wishes.number("depth") + TAIL_SPARE
+    return {
+        "rope.construction": ParameterValue(wishes.construction),
+        "rope.lay": ParameterValue(lay),
+        "rope.diameter": wishes.entries["diameter"],
+        "rope.length": _derived(length, f"travel and {TAIL_SPARE:g} m"),
+        "rope.swivels.mode": ParameterValue("coulomb"),
+    }
 
 
 def _rounded(value: float) -> float:

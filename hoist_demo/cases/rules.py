@@ -23,6 +23,12 @@ from rope_model.physics.estimates import NATURAL_WIDTH
 TAIL_SPARE = 40.0
 #: EA of a head rope over its mass per length [m^2/s^2, assumed], a modulus of 110 GPa of the steel.
 HEAD_ROPE_STIFFNESS = 1.3e7
+#: Limit of the motor over the torque that the trip needs with the payload [assumed].
+TRIP_TORQUE = 1.5
+# default gains of the controller [assumed]
+SPEED_GAIN = 3.0  #: Over all moving masses [1/s].
+INTEGRAL_TIME = 2.0  #: [s]
+POSITION_GAIN = 0.5  #: [1/s]
 #: Relative difference of stated totals of balance ropes from their sum that rounding explains.
 TOTALS_TOLERANCE = 1e-3
 
@@ -92,13 +98,17 @@ RULES = (
     ),
     Rule(
         "hoist.torque_limit",
-        "1.5 times that of the acceleration with the payload: R (m a + weight difference with "
-        "ropes + losses)",
-        lambda k: 1.5 * k.torque(),
+        f"{TRIP_TORQUE:g} times that of the acceleration with the payload: R (m a + weight "
+        "difference with ropes + losses)",
+        lambda k: TRIP_TORQUE * k.torque(),
     ),
-    Rule("gains.speed", "3 1/s times all moving masses", lambda k: 3.0 * k.hoist.moving_mass),
-    Rule("gains.integral_time", "2 s", lambda _: 2.0),
-    Rule("gains.position", "0.5 1/s", lambda _: 0.5),
+    Rule(
+        "gains.speed",
+        f"{SPEED_GAIN:g} 1/s times all moving masses",
+        lambda k: SPEED_GAIN * k.hoist.moving_mass,
+    ),
+    Rule("gains.integral_time", f"{INTEGRAL_TIME:g} s", lambda _: INTEGRAL_TIME),
+    Rule("gains.position", f"{POSITION_GAIN:g} 1/s", lambda _: POSITION_GAIN),
 )
 
 
@@ -303,6 +313,6 @@ def notes(hoist: Hoist, rope: BalanceRopeData) -> Iterable[str]:
     if spacing < width:
         yield (
             f"layout.spacing: the rope's ends are {spacing:.4g} m apart, less than the width of "
-            f"its free loop, 2.543 (EI/(rho g))^(1/3) = {width:.4g} m: the loop bulges beyond its "
+            f"its free loop, {NATURAL_WIDTH:.4g} (EI/(rho g))^(1/3) = {width:.4g} m: the loop bulges beyond its "
             "legs; give the distance of the rope's ends, or check rope.EI"
         )

@@ -7,7 +7,7 @@ from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
 from hoist_demo.cases.hoist_file import HoistFile, read_builtin
 from hoist_demo.files.reading import read
 
-NATIVE = "_native"  #: End of the name of a native FMU of FMI 2.0.
+NATIVE_ENDING = "_native"  #: End of the name of a native FMU of FMI 2.0.
 
 
 def fmu_name(hoist: str, end: str = "") -> str:

@@ -8,7 +8,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 from fmu_src.model_description import MODEL
 from fmu_src.native.build import (
@@ -21,10 +21,18 @@ from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
 from fmu_src.ssp import Datum, Version
 from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
 from hoist_demo.cases.rules import with_values
-from hoist_demo.cases.table import NATIVE, find_case, fmu_name
+from hoist_demo.cases.table import NATIVE_ENDING, find_case, fmu_name
 from hoist_demo.command_line.options import settings
 from hoist_demo.command_line.support import Commands, nonempty_path, results_folder
-from hoist_demo.export.system import OMITTABLE, export_hoist, export_rope
+from hoist_demo.export.system import (
+    NATIVE,
+    OMITTABLE,
+    PYTHON,
+    RopeFmu,
+    SystemOptions,
+    export_hoist,
+    export_rope,
+)
 from hoist_demo.files.reading import read
 from hoist_demo.files.registry import CONTROLLER, parameters, rope_parameters
 from hoist_demo.files.rope_file import RopeFile
@@ -39,8 +47,8 @@ if TYPE_CHECKING:
 
 BUILD = Path("build")
 #: flavour and FMI version -> end of the file name
-NAMES = {("Python", 2): "", ("native", 2): NATIVE, ("native", 3): "_native_fmi3"}
-DEFAULT_FMU = BUILD / fmu_name(DEFAULT_HOIST, NATIVE)
+NAMES = {(PYTHON, 2): "", (NATIVE, 2): NATIVE_ENDING, (NATIVE, 3): "_native_fmi3"}
+DEFAULT_FMU = BUILD / fmu_name(DEFAULT_HOIST, NATIVE_ENDING)
 
 
 def add_export(commands: Commands) -> None:
@@ -48,17 +56,34 @@ def add_export(commands: Commands) -> None:
     export = commands.add_parser(
         "export",
         help="write the rope as an FMU",
-        description="Export the balance rope as a co-simulation FMU. The Python flavour (FMI 2.0) is "
-        "the published system in plain Python, to be read and changed, and needs Python with "
-        "numpy, scipy and casadi on the importing host; the native flavour (FMI 2.0 or 3.0) is the "
-        "complete model in self-contained C and needs nothing. What both have has the same names, "
+        description="Export the balance rope as a co-simulation FMU. The native flavour (FMI 2.0 "
+        "or 3.0), the default, is the complete model in self-contained C and needs nothing on the "
+        "importing host. The Python flavour (FMI 2.0) is the published system in plain Python, to "
+        "be read and changed, and needs Python with numpy, scipy and casadi there. What both have "
+        "has the same names, "
         "and the same C code answers the tool; parameters can still be set before initialisation. "
         "An installed wheel brings the libraries; in a checkout the first export compiles, with a "
         "C compiler or ziglang, some 10 s per platform, a second version of FMI some more; "
         "--platform host makes it short.",
     )
-    export.add_argument("--python", action="store_true", help="the Python flavour (the default)")
-    export.add_argument("--native", action="store_true", help="the native flavour")
+    _add_kinds(export)
+    _add_start_values(export)
+    _add_description(export)
+    _add_system(export)
+    export.add_argument(
+        "--out", type=nonempty_path, help=f"the .fmu to write, or a folder ({BUILD})"
+    )
+    export.set_defaults(run=_export)
+
+
+def _add_kinds(export: argparse.ArgumentParser) -> None:
+    """Add the options on flavour, version of FMI and platforms."""
+    export.add_argument("--python", action="store_true", help="the Python flavour")
+    export.add_argument(
+        "--native",
+        action="store_true",
+        help="the native flavour (the default; beside --python: both)",
+    )
     export.add_argument(
         "--fmi", type=int, nargs="+", choices=(2, 3), default=[2], help="version of FMI (2)"
     )
@@ -70,6 +95,10 @@ def add_export(commands: Commands) -> None:
         help=f"platforms of the libraries: host, {', '.join(PLATFORMS)} (all that can be built "
         "here)",
     )
+
+
+def _add_start_values(export: argparse.ArgumentParser) -> None:
+    """Add the hoist and the options that change its start values."""
     export.add_argument(
         "hoist",
         nargs="?",
@@ -98,6 +127,10 @@ def add_export(commands: Commands) -> None:
         choices=tuple(LEVELS),
         help="accuracy against speed, see docs/howto/accuracy.md (that of the hoist)",
     )
+
+
+def _add_description(export: argparse.ArgumentParser) -> None:
+    """Add the options on what the FMU shows of itself."""
     export.add_argument(
         "--outputs",
         nargs="+",
@@ -119,6 +152,10 @@ def add_export(commands: Commands) -> None:
         help="model identifier of a native FMU: C functions of its sources and its libraries "
         "begin with it, and FMUs that are linked into one program must differ in it (%(default)s)",
     )
+
+
+def _add_system(export: argparse.ArgumentParser) -> None:
+    """Add the options of the system."""
     export.add_argument(
         "--ssp",
         action="store_true",
@@ -139,77 +176,114 @@ def add_export(commands: Commands) -> None:
         help=f"leave this out of the system: {', '.join(OMITTABLE)}; without it, what a system "
         "cannot hold is refused",
     )
-    export.add_argument(
-        "--out", type=nonempty_path, help=f"the .fmu to write, or a folder ({BUILD})"
-    )
-    export.set_defaults(run=_export)
+
+
+class _Wanted(NamedTuple):
+    """Kind of FMU to write."""
+
+    flavour: str
+    fmi: int
+
+
+class _ExportedHoist(NamedTuple):
+    """Hoist to export."""
+
+    case: Case
+    ropes: tuple[OneRope, ...]  # where they differ
+    trajectory: Trajectory | None  # of a controller that plans one
 
 
 def _export(options: argparse.Namespace) -> int:
-    wanted = list[tuple[str, int]]()
-    if options.native:
-        wanted = [("native", fmi) for fmi in options.fmi]
-    if options.python or not options.native:
-        if 2 not in options.fmi:
-            raise ValueError("the Python flavour is FMI 2.0 only; FMI 3.0 comes with --native")
-        wanted.insert(0, ("Python", 2))
-    if options.scalar and ("native", 3) not in wanted:
-        raise ValueError("--scalar is for FMI 3.0, and FMI 2.0 has no arrays: add --native --fmi 3")
-    if options.without and not options.ssp:
-        raise ValueError(f"--without {options.without[0]} is for systems: add --ssp")
-    if options.model_identifier != MODEL and (options.ssp or ("Python", 2) in wanted):
-        raise ValueError(
-            f"--model-identifier {options.model_identifier} is for one native FMU: add --native, "
-            "and leave out --python and --ssp, whose FMUs have identifiers of their own"
-        )
-    if options.out is not None and options.out.suffix.lower() == ".ssp" and not options.ssp:
-        raise ValueError(
-            f"--out {options.out} is a system: add --ssp, or give {options.out.with_suffix('.fmu')}"
-        )
+    wanted = _wanted(options)
+    _require_meant(options, wanted)
     paths = _paths(options.out, options.hoist, wanted)
     set_values = _set_values(find_case(options.hoist), options)
-    case, ropes, trajectory = _hoist(options, set_values)
-    level = options.level or case.level
+    hoist = _hoist(options, set_values)
     groups = ALL if "all" in options.outputs else tuple(options.outputs)
-    profile = Profile(groups, arrays=not options.scalar)
     platforms = [*(options.platform or available_platforms())]
     if "host" in platforms:
         platforms = [host_platform() if name == "host" else name for name in platforms]
     rows = [("file", "flavour", "FMI", "platforms", "size")]
-    for (flavour, fmi), path in zip(wanted, paths, strict=True):
-        target = (flavour, fmi, level, platforms, profile)
+    for kind, path in zip(wanted, paths, strict=True):
+        fmu = RopeFmu(
+            kind.flavour,
+            kind.fmi,
+            level=options.level or hoist.case.level,
+            platforms=platforms,
+            profile=Profile(groups, arrays=not options.scalar),
+            identifier=options.model_identifier,
+        )
         if options.ssp:
-            ssp = path.with_suffix(".ssp")
-            with tempfile.TemporaryDirectory() as folder:
-                exported = export_hoist(
-                    Path(folder),
-                    case,
-                    ropes,
-                    *target,
-                    without=options.without,
-                    trajectory=trajectory,
-                    version=options.ssp_version,
-                    data=_data(case, options.hoist, set_values),
-                )
-                write_bytes(ssp, exported.system.read_bytes())
-            contents = f"{flavour} rope, native drive"
-            if ropes:
-                contents = f"{len(ropes)} {flavour} ropes, native drive"
-            rows.append((str(ssp), contents, f"{fmi}.0", "", _size(ssp)))
-        if not ropes:
-            export_rope(path, case, case.rope, *target, options.model_identifier)
-            rows.append((str(path), flavour, f"{fmi}.0", ", ".join(platforms), _size(path)))
+            ssp = _export_system(path.with_suffix(".ssp"), hoist, fmu, options, set_values)
+            contents = f"{fmu.flavour} rope, native drive"
+            if hoist.ropes:
+                contents = f"{len(hoist.ropes)} {fmu.flavour} ropes, native drive"
+            rows.append((str(ssp), contents, f"{fmu.fmi}.0", "", _size(ssp)))
+        if not hoist.ropes:
+            export_rope(path, hoist.case, hoist.case.rope, fmu)
+            rows.append((str(path), fmu.flavour, f"{fmu.fmi}.0", ", ".join(platforms), _size(path)))
     print("\n".join(aligned_table(rows)))
-    if (options.native or options.ssp) and not options.platform:
+    if not options.platform:
         missing = missing_platforms()
         if missing:
             print(f"left out: {missing}")
     return 0
 
 
+def _wanted(options: argparse.Namespace) -> list[_Wanted]:
+    """Return the kinds of FMU to write: native ones, unless the Python flavour alone is chosen."""
+    wanted = list[_Wanted]()
+    if options.python:
+        if 2 not in options.fmi:
+            raise ValueError(
+                "the Python flavour is FMI 2.0 only: leave out --python, for FMI 3.0 is native"
+            )
+        wanted.append(_Wanted(PYTHON, 2))
+    if options.native or not options.python:
+        wanted += [_Wanted(NATIVE, fmi) for fmi in options.fmi]
+    return wanted
+
+
+def _require_meant(options: argparse.Namespace, wanted: Sequence[_Wanted]) -> None:
+    """Refuse options that contradict each other."""
+    if options.scalar and _Wanted(NATIVE, 3) not in wanted:
+        raise ValueError("--scalar is for FMI 3.0, and FMI 2.0 has no arrays: add --native --fmi 3")
+    if options.without and not options.ssp:
+        raise ValueError(f"--without {options.without[0]} is for systems: add --ssp")
+    if options.model_identifier != MODEL and (options.ssp or _Wanted(PYTHON, 2) in wanted):
+        raise ValueError(
+            f"--model-identifier {options.model_identifier} is for one native FMU: leave out "
+            "--python and --ssp, whose FMUs have identifiers of their own"
+        )
+    if options.out is not None and options.out.suffix.lower() == ".ssp" and not options.ssp:
+        raise ValueError(
+            f"--out {options.out} is a system: add --ssp, or give {options.out.with_suffix('.fmu')}"
+        )
+
+
+def _export_system(
+    path: Path,
+    hoist: _ExportedHoist,
+    fmu: RopeFmu,
+    options: argparse.Namespace,
+    set_values: Mapping[str, Any],
+) -> Path:
+    """Write the system of drive and ropes, and return its path."""
+    system = SystemOptions(
+        without=options.without,
+        trajectory=hoist.trajectory,
+        version=options.ssp_version,
+        data=_data(hoist.case, options.hoist, set_values),
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        exported = export_hoist(Path(folder), hoist.case, hoist.ropes, fmu, system)
+        write_bytes(path, exported.system.read_bytes())
+    return path
+
+
 def _data(case: Case, name: str, set_values: Mapping[str, Any]) -> list[Datum]:
     """Return the hoist's data with their statuses; `set_values` replace those of its file."""
-    from hoist_demo.report.hoist import hoist_provenance
+    from hoist_demo.run.complete_file import hoist_provenance
     from hoist_demo.run.provenance import SETTING
 
     rows = hoist_provenance(case, name, set_values)
@@ -258,7 +332,7 @@ def _set_values(case: Case, options: argparse.Namespace) -> dict[str, Any]:
     return values
 
 
-def _paths(out: Path | None, hoist: str, wanted: Sequence[tuple[str, int]]) -> list[Path]:
+def _paths(out: Path | None, hoist: str, wanted: Sequence[_Wanted]) -> list[Path]:
     """Return the path of each of ``wanted`` under --out; its folder exists and can be written to.
 
     A system is beside its rope, with the suffix .ssp.
@@ -280,26 +354,24 @@ def _paths(out: Path | None, hoist: str, wanted: Sequence[tuple[str, int]]) -> l
     return paths
 
 
-def _hoist(
-    options: argparse.Namespace, set_values: Mapping[str, Any]
-) -> tuple[Case, tuple[OneRope, ...], Trajectory | None]:
-    """Return the hoist to export, its unequal ropes, and the trip of a controller that plans one."""
+def _hoist(options: argparse.Namespace, set_values: Mapping[str, Any]) -> _ExportedHoist:
+    """Return the hoist to export with the values that are set."""
     case = with_values(find_case(options.hoist), set_values)
     for remark in case.remarks:
         print(f"balance-rope: {remark}", file=sys.stderr)
     if case.distinct_ropes and not options.ssp:
         raise ValueError(f"{options.hoist} has several ropes, and an FMU has one: add --ssp")
     # slow imports
-    from hoist_demo.run.data import build, from_landing
+    from hoist_demo.run.data import build
     from hoist_demo.run.ropes import ropes_of
 
-    run = from_landing(build(options.hoist, set_values))
+    run = build(options.hoist, set_values).as_single_trip()
     trajectory = None
     if options.ssp and run.controller != CONTROLLER.start:
         drive = replace(run, winding=replace(run.winding, start_delay=0.0)).design()
         case = replace(case, gains=drive.gains)
         trajectory = drive.trajectory
     if not case.distinct_ropes:
-        return case, (), trajectory
+        return _ExportedHoist(case, (), trajectory)
     ropes = ropes_of(case, run, {}, options.level or case.level)
-    return replace(case, hoist=ropes.hoist), ropes.ropes, trajectory
+    return _ExportedHoist(replace(case, hoist=ropes.hoist), ropes.ropes, trajectory)

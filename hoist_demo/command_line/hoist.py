@@ -145,18 +145,26 @@ def _noted(case: Case) -> list[str]:
 
 
 def _show(options: argparse.Namespace, everything: bool) -> int:
-    from hoist_demo.report.hoist import as_file, examine
+    """Print a hoist's check; with `everything` also its file, and what follows from it."""
+    # slow imports
+    from hoist_demo.design.hoist_checks import HoistCheck, checks
+    from hoist_demo.report.hoist import check_in_words, consequences_text
+    from hoist_demo.run.at_rest import remarks_at_rest, ropes_at_rest
+    from hoist_demo.run.complete_file import as_file
 
     values = settings(options.set, parameters())
     case = with_values(find_case(options.hoist), values)
     if everything:
         print(as_file(case, options.hoist, values))
-    text, check = examine(case, options.hoist, values)
+    bounds = checks(case)
+    ropes = ropes_at_rest(case, options.hoist, values)
     if everything:
+        text = consequences_text(case.hoist, bounds, ropes)
         print("\n".join(f"# {line}".rstrip() for line in text.splitlines()) + "\n")
+    check = HoistCheck(tuple(bounds), (*case.remarks, *remarks_at_rest(ropes)))
     for line in (*check.problems, *_noted(case)):
         print(f"balance-rope: {line}", file=sys.stderr)
-    print(f"# {options.hoist}: {check.summary}")
-    if everything:
-        return 0
-    return check.exit_code
+    print(f"# {options.hoist}: {check_in_words(check)}")
+    if check.problems and not everything:
+        return 1
+    return 0

@@ -40,7 +40,6 @@ def _identify(options: argparse.Namespace) -> int:
     from hoist_demo.calibration.identify import identify
     from hoist_demo.calibration.page import (
         complaints,
-        exit_code,
         summary,
         write_page,
         write_rope_file,
@@ -76,4 +75,6 @@ def _identify(options: argparse.Namespace) -> int:
     print("\nwritten: " + ", ".join(map(str, written)))
     for text in complaints(result):
         print(f"balance-rope: warning: {text}", file=sys.stderr)
-    return exit_code(result)
+    if result.fit.contradicted:
+        return 1
+    return 0

@@ -35,8 +35,9 @@ sheave, head ropes, conveyances) is a CasADi model that exchanges end motions an
 
 EPILOG = """\
 first steps:
-  balance-rope export                  write the rope to build/balance_rope.fmu
-  balance-rope export --native --fmi 2 3    the same as C code for all platforms, without Python
+  balance-rope export                  write the rope to build/balance_rope_native.fmu: C for all platforms
+  balance-rope export --fmi 2 3        the same for both versions of FMI
+  balance-rope export --python         the published system in plain Python: build/balance_rope.fmu
   balance-rope wind                    wind 90 m with it; figures, CSV and a report in out/wind/rope-120
   balance-rope new NAME --depth 870 --payload 22t --speed 16    the file of your own hoist, NAME.toml
   balance-rope show NAME.toml          its values, and what follows from them

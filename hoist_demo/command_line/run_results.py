@@ -135,10 +135,10 @@ def write_results(wound: WoundRun, directory: Path, signals: Sequence[str]) -> l
     begin with its name.
     """
     from hoist_demo.report.figures import write_figures
-    from hoist_demo.report.hoist import complete_file
     from hoist_demo.report.html.run import run_report
     from hoist_demo.report.markdown import render_markdown
     from hoist_demo.report.panels import marks
+    from hoist_demo.run.complete_file import complete_file
 
     result = wound.result
     hoist = wound.run.hoist

@@ -1,11 +1,13 @@
 """The command `balance-rope study`."""
 
+from __future__ import annotations
+
 import argparse
 import sys
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
@@ -16,6 +18,11 @@ from hoist_demo.command_line.support import (
     add_results,
     results_folder,
 )
+
+if TYPE_CHECKING:
+    from hoist_demo.study.definition import Study
+    from hoist_demo.study.perform import StudyResult
+    from hoist_demo.study.store import Store
 
 _DESCRIPTION = """\
 Wind many times with the rope's FMU, over parameters that a TOML file names, on all cores or on a dask cluster.
@@ -55,19 +62,14 @@ def add_study(commands: Commands) -> None:
 def _study(options: argparse.Namespace) -> int:
     # dask, pandas and pyarrow are needed here only, and load slowly
     try:
-        from hoist_demo.report.html.study import study_report
-        from hoist_demo.study.cluster import cluster, run_samples
-        from hoist_demo.study.perform import run_study, write_partial_results
-        from hoist_demo.study.store import Store, read_results
+        from hoist_demo.study.cluster import cluster  # noqa: F401  only whether it is there
+        from hoist_demo.study.perform import write_partial_results
+        from hoist_demo.study.store import Store
     except ModuleNotFoundError as error:
         raise ValueError(
             f"a study needs {error.name}: pip install 'balance-rope[study]'"
         ) from error
-    from hoist_demo.cosimulation.participants.fmu_description import read_fmu
-    from hoist_demo.report.rows import provenance_table, render, status_rows
-    from hoist_demo.run.provenance import write_data
     from hoist_demo.study.definition import read_study
-    from hoist_demo.study.provenance import study_provenance
 
     if options.workers is not None and options.workers < 1:
         raise ValueError(
@@ -80,30 +82,8 @@ def _study(options: argparse.Namespace) -> int:
         return 0
 
     store = Store(results_folder(options.out or Path("out") / "study" / options.study.stem))
-    keys = list[str]()
-    if study.plan is None:
-        keys = [sample.data.key(study.fmu_hash) for sample in study.samples]
-    total = len(set(keys)) or None
-    there = len(store.finished_keys(keys))
-    if there:
-        print(f"{there} of {total} runs are there already")
     try:
-        with (
-            cluster(options.workers, options.scheduler) as client,
-            tqdm(
-                total=total,
-                initial=there,
-                desc="winding",
-                unit="run",
-                file=sys.stderr,
-                disable=None,
-            ) as bar,
-        ):
-            result = run_study(
-                study,
-                store,
-                partial(run_samples, client, study, store=store, finished=lambda *_: bar.update()),
-            )
+        result = _run(study, store, options)
     except KeyboardInterrupt:
         table_path = write_partial_results(study, store)
         kept = "no run was finished"
@@ -111,6 +91,44 @@ def _study(options: argparse.Namespace) -> int:
             kept = f"what is finished is kept in {table_path}"
         print(f"\ninterrupted: {kept}; the same command goes on", file=sys.stderr)
         return INTERRUPTED
+    _print_result(result)
+    report = _write_report(study, result, store.directory, options.study.name)
+    print(f"open in a browser: {report}")
+    return result.exit_code
+
+
+def _run(study: Study, store: Store, options: argparse.Namespace) -> StudyResult:
+    """Wind what is not finished yet, beside a bar that shows the progress."""
+    from hoist_demo.study.cluster import cluster, run_samples
+    from hoist_demo.study.perform import run_study
+
+    keys = list[str]()
+    if study.plan is None:
+        keys = [sample.data.key(study.fmu_hash) for sample in study.samples]
+    total = len(set(keys)) or None
+    there = len(store.finished_keys(keys))
+    if there:
+        print(f"{there} of {total} runs are there already")
+    with (
+        cluster(options.workers, options.scheduler) as client,
+        tqdm(
+            total=total,
+            initial=there,
+            desc="winding",
+            unit="run",
+            file=sys.stderr,
+            disable=None,
+        ) as bar,
+    ):
+        return run_study(
+            study,
+            store,
+            partial(run_samples, client, study, store=store, finished=lambda *_: bar.update()),
+        )
+
+
+def _print_result(result: StudyResult) -> None:
+    """Print what struck, warnings, causes of runs that stopped, the table's path and what is best."""
     for run, passed in result.passages.items():
         print(f"{run}: {passed}", file=sys.stderr)
     for text, runs in result.warnings.items():
@@ -123,6 +141,17 @@ def _study(options: argparse.Namespace) -> int:
         print(f"not monotonic: {remark}")
     if result.best is not None:
         print(result.best.text, file=sys.stdout if result.best.feasible else sys.stderr)
+
+
+def _write_report(study: Study, result: StudyResult, folder: Path, file_name: str) -> Path:
+    """Write data.csv and the page, print the data by status, and return the page's path."""
+    from hoist_demo.cosimulation.participants.fmu_description import read_fmu
+    from hoist_demo.report.html.study import study_report
+    from hoist_demo.report.rows import provenance_table, render, status_rows
+    from hoist_demo.run.provenance import write_data
+    from hoist_demo.study.provenance import study_provenance
+    from hoist_demo.study.store import read_results
+
     results = read_results(result.table)
     parameters = [
         name
@@ -132,7 +161,7 @@ def _study(options: argparse.Namespace) -> int:
     meta: dict[str, Any] = {
         "title": study.title,
         "parameters": parameters,
-        "study file": options.study.name,
+        "study file": file_name,
         "hoist": study.hoist,
         "FMU": study.fmu.name,
         "SHA-256": study.fmu_hash,
@@ -140,10 +169,7 @@ def _study(options: argparse.Namespace) -> int:
         "version": version("balance-rope"),
     }
     provenance = study_provenance(study)
-    write_data(provenance, store.directory / "data.csv")
+    write_data(provenance, folder / "data.csv")
     print("\n" + render(status_rows(provenance)) + "\n")
-    page = store.directory / "report.html"
     data = [provenance_table(provenance)]
-    report = study_report(results.table, results.units, meta, page, data, result, study.objective)
-    print(f"open in a browser: {report}")
-    return result.exit_code
+    return study_report(results, meta, folder / "report.html", data, result, study.objective)

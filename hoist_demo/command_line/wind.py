@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, SCENARIOS, Case
 from hoist_demo.cases.table import find_case
@@ -38,7 +38,7 @@ from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.ropes import computed
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.report.rows import Report, SummaryRow, render, render_verdict
-from hoist_demo.run.data import RunData, build, contradictions, fmu_part, from_landing
+from hoist_demo.run.data import RunData, build, contradictions, fmu_part
 from hoist_demo.run.probe import Probe
 from hoist_demo.run.provenance import host_provenance
 from hoist_demo.run.ropes import OneRope, Ropes, ropes_of
@@ -119,7 +119,60 @@ def add_wind(commands: Commands, fmu: Path) -> None:
     )
 
 
+class _Trip(NamedTuple):
+    """Trip that the options describe, before it is wound."""
+
+    case: Case
+    run: RunData
+    ropes: Ropes
+    values: Mapping[str, Value]  # set by options
+    statuses: Mapping[str, str]  # of the values of --rope and --set
+
+
+class _Winding(NamedTuple):
+    """Trip that was wound."""
+
+    wound: WoundRun
+    stopped_by_user: bool
+
+
 def _wind(options: argparse.Namespace, default: Path) -> int:
+    resume = _choose_hoist(options)
+    trip = _trip(options, default)
+    if options.check:
+        print(f"{options.hoist}: nothing wrong")
+        return 0
+    results_folder(options.out)
+    shown = options.signals or trip.case.signals
+    signals = match_signals(shown, [*DRIVE_UNITS, *trip.ropes.plant.units()])
+    wound, stopped_by_user = _wind_trip(options, trip, resume)
+    result = wound.result
+    out = options.out
+    # the report of an earlier run is worth more than that of one that failed
+    if not result.completed and (options.out / REPORT).exists():
+        out = results_folder(options.out / STOPPED)
+    with interruption(f"the run is over, its results are being written to {out}") as interrupted:
+        written = write_results(wound, out, signals)
+    _print_report(wound.report)
+    print("written: " + ", ".join(str(path) for path in written))
+    print(f"open in a browser: {written[-1]}")
+    by_user = stopped_by_user or interrupted()
+    if not result.completed:
+        print(f"balance-rope: {_stop(result, out, by_user=by_user)}", file=sys.stderr)
+    elif by_user:
+        print(
+            f"balance-rope: interrupted when the run was over: all its results are in {out}",
+            file=sys.stderr,
+        )
+    if by_user:
+        return INTERRUPTED
+    if result.completed:
+        return 0
+    return 1
+
+
+def _choose_hoist(options: argparse.Namespace) -> Checkpoint | None:
+    """Set the hoist and the folder where they are left out; return the state to go on from."""
     if options.case is not None:
         if options.hoist is not None:
             raise ValueError(
@@ -133,6 +186,11 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     options.hoist = options.hoist or DEFAULT_HOIST
     if options.out is None:
         options.out = Path("out") / "wind" / Path(options.hoist).stem
+    return resume
+
+
+def _trip(options: argparse.Namespace, default: Path) -> _Trip:
+    """Return the trip of the options; `default` is the FMU of the default hoist."""
     case = find_case(options.hoist)
     if case.distinct_ropes and options.fmu:
         raise ValueError(
@@ -147,18 +205,19 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         identified = {}
     overrides = {key: entry.value for key, entry in identified.items()} | set_here
     values = _winding(options, case) | overrides
-    run = from_landing(build(options.hoist, values))
+    run = build(options.hoist, values).as_single_trip()
     for remark in case.remarks:
         print(f"balance-rope: {remark}", file=sys.stderr)
     statuses = {key: entry.status for key, entry in identified.items()}
     statuses |= dict.fromkeys(set_here, GIVEN)
     ropes = _ropes(options, case, run, overrides)
-    if options.check:
-        print(f"{options.hoist}: nothing wrong")
-        return 0
-    results_folder(options.out)
-    signals = match_signals(options.signals or case.signals, [*DRIVE_UNITS, *ropes.plant.units()])
-    run = replace(run, hoist=ropes.hoist)
+    return _Trip(case, run, ropes, values, statuses)
+
+
+def _wind_trip(options: argparse.Namespace, trip: _Trip, resume: Checkpoint | None) -> _Winding:
+    """Wind the trip, and close its ropes."""
+    ropes = trip.ropes
+    run = replace(trip.run, hoist=ropes.hoist)
     try:
         with warnings_of("hoist_demo") as warnings:
             drive = run.design()
@@ -177,44 +236,23 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
                 result = _run(host, options.out / LAST_GOOD, resume, stopped_by_user)
         rope_data = ropes.data()
         remarks = _remarks(ropes)
-        rope_sources = ropes.provenance(statuses)
+        rope_sources = ropes.provenance(trip.statuses)
     finally:
         ropes.plant.close()
     torque_free = {rope.name: rope.torque_free for rope in rope_data}
     result = replace(result, recording=computed(result.recording, torque_free))
     run = replace(run, winding=result.winding)
     wound = WoundRun(
-        title=_title(case.name or options.hoist, run),
+        title=_title(trip.case.name or options.hoist, run),
         run=run,
         result=result,
         ropes=rope_data,
         pairs=ropes.pairs(result.recording),
-        provenance=[*host_provenance(run, statuses), *rope_sources],
+        provenance=[*host_provenance(run, trip.statuses), *rope_sources],
         warnings=[*remarks, *warnings],
-        set_names=values,
+        set_names=trip.values,
     )
-    out = options.out
-    # the report of an earlier run is worth more than that of one that failed
-    if not result.completed and (options.out / REPORT).exists():
-        out = results_folder(options.out / STOPPED)
-    with interruption(f"the run is over, its results are being written to {out}") as interrupted:
-        written = write_results(wound, out, signals)
-    _print_report(wound.report)
-    print("written: " + ", ".join(str(path) for path in written))
-    print(f"open in a browser: {written[-1]}")
-    by_user = stopped_by_user() or interrupted()
-    if not result.completed:
-        print(f"balance-rope: {_stop(result, out, by_user=by_user)}", file=sys.stderr)
-    elif by_user:
-        print(
-            f"balance-rope: interrupted when the run was over: all its results are in {out}",
-            file=sys.stderr,
-        )
-    if by_user:
-        return INTERRUPTED
-    if result.completed:
-        return 0
-    return 1
+    return _Winding(wound, stopped_by_user())
 
 
 def _title(name: str, run: RunData) -> str:
@@ -335,7 +373,7 @@ def _parameters(options: argparse.Namespace) -> dict[str, Parameter] | None:
 def _ropes(
     options: argparse.Namespace, case: Case, run: RunData, overrides: Mapping[str, Value]
 ) -> Ropes:
-    """Return the hoist's ropes, of which values are `chosen`.
+    """Return the hoist's ropes, with the values of `overrides`.
 
     A chosen FMU is asked whether it takes its own.
     """

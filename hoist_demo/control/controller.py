@@ -134,6 +134,14 @@ class Command(NamedTuple):
     brake: float = 0.0  # -, fraction of the brake's full torque
 
 
+class LawResult(NamedTuple):
+    """Result of the control law of SpeedController, of numbers or symbols."""
+
+    torque: Scalar  # N m
+    limited: Any  # bool, or a symbol
+    integral: Scalar  # N, after the step
+
+
 class Controller(Protocol):
     """A control law that the host can sample.
 
@@ -157,7 +165,7 @@ class SpeedController:
     The host evaluates it, and the C of exported drives is generated from it.
     """
 
-    def __init__(self, hoist: Hoist, holding_torque: Any, gains: Any = None) -> None:
+    def __init__(self, hoist: Hoist, holding_torque: Scalar, gains: Any = None) -> None:
         """`holding_torque` [N m] is the motor's torque at rest at the start.
 
         It and the `gains` may be symbols; default: `Gains`.
@@ -187,12 +195,14 @@ class SpeedController:
         return Command(torque, limited, ControllerState(integral))
 
     def law(
-        self, motion: Sequence[Any], travel: Any, speed: Any, integral: Any, h: Any
-    ) -> tuple[Any, Any, Any]:
-        """Return (torque [N m], limited, integral after h), also of symbols.
-
-        `motion` is s, v, a of the reference.
-        """
+        self,
+        motion: Sequence[Scalar],
+        travel: Scalar,
+        speed: Scalar,
+        integral: Scalar,
+        h: Scalar,
+    ) -> LawResult:
+        """Return the command, also of symbols; `motion` is s, v, a of the reference."""
         force, error = self.force(motion, travel, speed, integral)
         unlimited = self._holding_torque + self._radius * force
         limit = self._hoist.torque_available(speed / self._radius)
@@ -200,18 +210,18 @@ class SpeedController:
         # anti-windup: integrate unless that would push further into the limit
         stands = logical_and(torque != unlimited, error * unlimited > 0.0)
         integrated = integral + h * self._gains.speed * error / self._gains.integral_time
-        return torque, torque != unlimited, where(stands, integral, integrated)
+        return LawResult(torque, torque != unlimited, where(stands, integral, integrated))
 
     def force(
-        self, motion: Sequence[Any], travel: Any, speed: Any, integral: Any
-    ) -> tuple[Any, Any]:
+        self, motion: Sequence[Scalar], travel: Scalar, speed: Scalar, integral: Scalar
+    ) -> tuple[Scalar, Scalar]:
         """Return the force at the rim beyond F_hold [N], and the error of the speed [m/s]."""
         position_ref, speed_ref, _ = motion
         error = speed_ref + self._gains.position * (position_ref - travel) - speed
         feed_forward = self._gains.feed_forward * self.feed_forward(motion)
         return feed_forward + self._gains.speed * error + integral, error
 
-    def feed_forward(self, motion: Sequence[Any]) -> Any:
+    def feed_forward(self, motion: Sequence[Scalar]) -> Scalar:
         """Return the force at the rim of a full feed-forward, beyond F_hold [N]."""
         position, speed, acceleration = motion
         return self._mass * acceleration + self._imbalance_rate * position + self._loss(speed)

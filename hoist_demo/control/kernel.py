@@ -7,7 +7,7 @@ from typing import Any
 
 import casadi as ca
 
-from hoist_demo.control.controller import Gains, SpeedController
+from hoist_demo.control.controller import Gains, LawResult, SpeedController
 from hoist_demo.parameters import Hoist
 from hoist_demo.parameters.hoist import with_numbers
 
@@ -22,7 +22,7 @@ ARGUMENTS = (
     "integral",
     "h",
 )
-RESULTS = ("torque", "limited", "integral")  #: Results of the law, in their order.
+RESULTS = LawResult._fields  #: Results of the law, in their order.
 
 
 @cache

@@ -49,7 +49,7 @@ class Checkpoint:
     scheme_state: SchemeState
     rope: bytes  # b"" when the rope cannot save its state
     recording: Recording  # of the run until it stopped; a resumed run replaces rows behind `sample`
-    data: str  # data that a resumed run must share: see Host.data
+    data: str  # data that a resumed run must share: see Host.shared_data
     cause: str  # reason why the run stopped
     hoist: str = ""  # name or file of the hoist, if known
     emergency_at: float | None = (

@@ -214,7 +214,7 @@ class CompiledTrip:
             columns=len(run.recorder.names),
         )
 
-    def samples(self, first: int, last: int) -> SampleReached:
+    def wind_samples(self, first: int, last: int) -> SampleReached:
         """Wind the samples from `first` to before `last`, and the steps behind each."""
         run = self._run
         trip = self._trip

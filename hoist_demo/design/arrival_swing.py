@@ -57,10 +57,12 @@ class SpeedLoop:
 
     @staticmethod
     def of(case: Case) -> "SpeedLoop":
-        hoist, gains = case.hoist, case.gains
+        hoist = case.hoist
+        gains = case.gains
         rim = hoist.sheave_radius
         error = np.zeros(len(OUTPUTS))
-        error[_RATE], error[_Y_LEFT] = -rim, -gains.position
+        error[_RATE] = -rim
+        error[_Y_LEFT] = -gains.position
         proportional = rim * gains.speed
         coulomb, _ = hoist.travel_loss
         return SpeedLoop(
@@ -75,8 +77,10 @@ class SpeedLoop:
     def swings(self) -> Array:
         """Heights of both conveyances against the ropes' ends at the sheave (2, outputs)."""
         rows = np.zeros((2, len(OUTPUTS)))
-        rows[0, _Y_LEFT], rows[0, _ANGLE] = 1.0, -self.rim
-        rows[1, _Y_RIGHT], rows[1, _ANGLE] = 1.0, self.rim
+        rows[0, _Y_LEFT] = 1.0
+        rows[0, _ANGLE] = -self.rim
+        rows[1, _Y_RIGHT] = 1.0
+        rows[1, _ANGLE] = self.rim
         return rows
 
     @property
@@ -122,7 +126,10 @@ def _lasts(pole: complex) -> bool:
 
 def _pole_of_small(small: ReducedModel, loop: SpeedLoop) -> complex | None:
     """Return the pole of a small model with its loop closed that an arrival excites most; None without one."""
-    A, B, C, D = small.A[0], small.B[0], small.C[0], small.D[0]
+    A = small.A[0]
+    B = small.B[0]
+    C = small.C[0]
+    D = small.D[0]
     gain = loop.gain
     # u = gain y + the integral part's torque, with y = C X + D u
     inverse = np.linalg.inv(np.eye(len(INPUTS)) - gain @ D)
@@ -171,13 +178,16 @@ def _secant(model: LinearModel, loop: SpeedLoop, swing: int, start: complex) -> 
     def inverse(s: complex) -> complex:
         return 1.0 / complex(_closed(model, loop, np.array([s]))[0, swing])
 
-    old, new = start * (1.0 + _STEP), start
-    value_old, value = inverse(old), inverse(new)
+    old = start * (1.0 + _STEP)
+    new = start
+    value_old = inverse(old)
+    value = inverse(new)
     for _ in range(_STEPS):
         if value == value_old:
             return None
         step = -value * (new - old) / (value - value_old)
-        old, value_old = new, value
+        old = new
+        value_old = value
         new += step
         if abs(step) < _CONVERGED * abs(new):
             return new

@@ -147,10 +147,8 @@ class LinearModel:
 
     def selected(self, inputs: Iterable[str], outputs: Iterable[str]) -> LinearModel:
         """Return the model with these inputs and outputs only; ValueError for others than it has."""
-        columns, rows = (
-            _indices(inputs, self.inputs, "inputs"),
-            _indices(outputs, self.outputs, "outputs"),
-        )
+        columns = _indices(inputs, self.inputs, "inputs")
+        rows = _indices(outputs, self.outputs, "outputs")
         return replace(
             self,
             inputs=tuple(self.inputs[k] for k in columns),

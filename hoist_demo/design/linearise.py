@@ -1,56 +1,38 @@
 """Linear models of hoist and balance ropes at rest or at constant speed, anywhere along the trip.
 
 The coordinates x of `linear_model` are those of the hoist, of the ropes' nodes, and of what lags behind: motor torque
-and brake. The rope's part is `rope_model.analysis.linear`, the hoist's the derivative of Lagrange's equation
-in `drive/equations.py`. Ropes and conveyances share the heights of the ends; each of n equal ropes counts n times. Rows
+and brake. The rope's part is `rope_model.analysis.linear`, the hoist's `linear_hoist`.
+Ropes and conveyances share the heights of the ends; each of n equal ropes counts n times. Rows
 of M are 0 for what lags. Sideways motion and yaw of the conveyances are given: their accelerations are inputs.
 
-The hoist is left without what has no derivative: Coulomb friction, jams, slip on the lining, play between the guides.
-A sticking brake is a spring. At constant speed the lengths of head ropes and legs are frozen.
+At constant speed the lengths of head ropes and legs are frozen.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cache
-from typing import Any, Literal, NamedTuple
+from dataclasses import replace
+from typing import Literal, NamedTuple
 
-import casadi as ca
 import numpy as np
 import scipy.sparse as sp
 
 from hoist_demo.cases.case import Case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
-from hoist_demo.design.linear_model import Array, LinearModel
-from hoist_demo.drive.equations import INPUT_NAMES, equations, extra_coordinates, state_names
-from hoist_demo.drive.outputs import OUTPUT_INDEX
-from hoist_demo.drive.plant import HoistPlant
+from hoist_demo.design.linear_hoist import HeldBy, LinearHoist, linear_hoist, smooth_hoist
+from hoist_demo.design.linear_model import LinearModel
 from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.parameters.suspension import SuspensionOffset
 from rope_model import EndMotion, Level, Scene
 from rope_model.analysis.linear import LinearRope, linear_rope
 from rope_model.engine import NativeRope
+from rope_model.physics.element import NODE_DOF
 from rope_model.physics.elementary import sum_of
 
 Swivels = Literal["as given", "locked", "free", "sticking"]
-HeldBy = Literal["motor", "brake"]
 _MODES = {"locked": 0, "free": 1, "sticking": 2}  #: codes of swivel.mode
 #: Coordinates of an end, and places in a node's row; their accelerations are inputs but for the shared height.
 _END = {"x": 0, "y": 1, "z": 2, "yaw": 6}
-_DRIVE_OUTPUTS = (
-    "angle",
-    "rate",
-    "motor_rate",
-    "torque",
-    "y_left",
-    "y_right",
-    "v_left",
-    "v_right",
-    "pull_left",
-    "pull_right",
-)
-_TENSIONS = ("tension_left", "tension_right")
 
 
 def linearise(
@@ -91,7 +73,7 @@ def linearise(
     """
     if speed and held_by == "brake":
         raise ValueError(f"speed = {speed:g} m/s must be 0 with held_by = 'brake': take 'motor'")
-    hoist = _smooth(case.hoist, held_by)
+    hoist = smooth_hoist(case.hoist, held_by)
     specs = _rope_specs(case, swivels, level)
     return tuple(_assembled(x, *_parts(hoist, specs, x, held_by, speed)) for x in at)
 
@@ -100,24 +82,26 @@ def linearise_hoist(
     case: Case, at: float, held_by: HeldBy = "motor", level: Level = "standard"
 ) -> LinearModel:
     """Return the model of a hoist under the constant forces of ropes at rest: what a controller sees without them."""
-    _, drive = _parts(_smooth(case.hoist, held_by), _rope_specs(case, level=level), at, held_by)
+    _, drive = _parts(
+        smooth_hoist(case.hoist, held_by), _rope_specs(case, level=level), at, held_by
+    )
     M, D, K = (sp.csc_matrix(A) for A in drive.matrices)
     C, C_v, C_a = (sp.csr_matrix(A) for A in drive.maps)
     return LinearModel(
         at,
-        (*drive.coordinates, *drive.lags),
-        0,
-        len(drive.lags),
-        M,
-        D,
-        K,
-        drive.inputs,
-        drive.B,
-        drive.outputs,
-        (C, C_v, C_a),
-        drive.through,
-        drive.rest_inputs,
-        drive.rest_outputs,
+        names=(*drive.coordinates, *drive.lags),
+        held=0,
+        lags=len(drive.lags),
+        mass=M,
+        damping=D,
+        stiffness=K,
+        inputs=drive.inputs,
+        B=drive.B,
+        outputs=drive.outputs,
+        maps=(C, C_v, C_a),
+        through=drive.through,
+        rest_inputs=drive.rest_inputs,
+        rest_outputs=drive.rest_outputs,
     )
 
 
@@ -180,146 +164,6 @@ def _hung(rope: NativeRope, left: EndMotion, right: EndMotion, speed: float = 0.
     return linear_rope(rope, speed)
 
 
-def _smooth(hoist: Hoist, held_by: HeldBy) -> Hoist:
-    """Return the hoist without what has no derivative at rest."""
-    if hoist.guides is None:
-        guides = None
-    else:
-        guides = replace(hoist.guides, coulomb=0.0)
-    if held_by == "brake" and hoist.brake is None:
-        raise ValueError("held_by = 'brake' needs a hoist with a brake: fit one, or take 'motor'")
-    brake = hoist.brake if held_by == "brake" else None
-    parts: dict[str, Any] = {"guides": guides, "brake": brake, "lining": None, "play": None}
-    return replace(hoist, loss_coulomb=0.0, jam_left=None, jam_right=None, **parts)
-
-
-@dataclass(frozen=True)
-class LinearHoist:
-    """Linear model of the hoist: `coordinates` first, then `lags`. Matrices are dense, (coordinates + lags) square."""
-
-    coordinates: tuple[str, ...]
-    lags: tuple[str, ...]
-    matrices: tuple[Array, Array, Array]  # M, D, K
-    inputs: tuple[str, ...]
-    B: Array
-    outputs: tuple[str, ...]
-    maps: tuple[Array, Array, Array]
-    through: Array
-    rest_inputs: Array
-    rest_outputs: Array
-
-    @staticmethod
-    def none() -> LinearHoist:
-        """Return an empty model, for a rope alone."""
-        empty = np.zeros((0, 0))
-        return LinearHoist(
-            (), (), (empty,) * 3, (), empty, (), (empty,) * 3, empty, np.zeros(0), np.zeros(0)
-        )
-
-
-@cache
-def _derivatives(structure: Hoist) -> Any:
-    """(x, a, u, l0, p) -> derivatives of Lagrange's rows and tensions, rates and outputs to x, a and u; values."""
-    of = equations(structure)
-    x, a = (
-        ca.SX.sym("x", len(state_names(structure))),
-        ca.SX.sym("a", 3 + len(extra_coordinates(structure))),
-    )
-    u, l0, p = (
-        ca.SX.sym("u", len(INPUT_NAMES)),
-        ca.SX.sym("l0", 2),
-        ca.SX.sym("p", len(structure.numbers)),
-    )
-    rows = ca.vertcat(of.lagrange(x, a, u, l0, p), of.rates(x, u, l0, p))
-    outputs = of.outputs(x, u, l0, p)
-    values = ca.vertcat(rows, *(outputs[OUTPUT_INDEX[name]] for name in _DRIVE_OUTPUTS))
-    jacobians = [ca.densify(ca.jacobian(values, z)) for z in (x, a, u)]
-    return ca.Function("derivatives", [x, a, u, l0, p], [ca.cse(y) for y in (*jacobians, values)])
-
-
-def _linear_hoist(
-    hoist: Hoist,
-    heights: tuple[float, float],
-    forces: tuple[float, float],
-    held_by: HeldBy,
-    speed: float,
-) -> LinearHoist:
-    """Return the hoist's part with its conveyances at these heights and this speed, under forces of one rope."""
-    plant = HoistPlant(hoist, "portable")
-    if held_by == "motor":
-        state = plant.equilibrium(*heights, *forces)
-    else:
-        state = plant.hanging_state(*heights, *forces)
-    x, names, torque = state.x.copy(), list(state_names(hoist)), float(state.x[0])
-    u = np.zeros(len(INPUT_NAMES))
-    # the asked pressure counts as within its limits, where it acts
-    u[INPUT_NAMES.index("brake")] = 0.5
-    u[INPUT_NAMES.index("force_left")], u[INPUT_NAMES.index("force_right")] = forces
-    if held_by == "brake":
-        assert hoist.brake is not None
-        if abs(torque) > hoist.brake.torque:
-            raise ValueError(
-                f"the imbalance of {abs(torque):.6g} N m must be within brake.torque = {hoist.brake.torque:g} N m: "
-                "take a stronger brake"
-            )
-        x[0], x[names.index("brake_pressure")] = 0.0, 1.0
-        x[names.index("brake_deflection")] = -torque / hoist.brake.torque * hoist.brake.travel
-        if hoist.drive_shaft is not None:
-            x[names.index("twist")] = 0.0
-    u[0] = x[0]
-
-    coordinates = ("phi", "y_left", "y_right", *extra_coordinates(hoist))
-    n = len(coordinates)
-    short = {"phi": "phi_rate", "y_left": "v_left", "y_right": "v_right"}
-    q = [names.index(name) for name in coordinates]
-    v = [names.index(short.get(name, f"{name}_rate")) for name in coordinates]
-    deflection = "brake_deflection"
-    x[v[:3]] = speed / hoist.sheave_radius, speed, -speed
-    lag = [k for k, name in enumerate(names) if k not in (*q, *v) and name != deflection]
-    numbers = hoist.numbers
-    derivatives = _derivatives(hoist.equation_structure)
-    still = np.zeros(n)
-    if speed:  # the motor makes up for the losses
-        by_x, _, _, values = (
-            np.array(part) for part in derivatives(x, still, u, state.free_lengths, numbers)
-        )
-        u[0] = x[0] = x[0] - values[0, 0] / by_x[0, 0]
-    by_x, by_a, by_u, values = (
-        np.array(part) for part in derivatives(x, still, u, state.free_lengths, numbers)
-    )
-    # rows: Lagrange's, tensions, rates, what is shown
-    rates, shown = n + 2, n + 2 + len(names)
-    late = [rates + k for k in lag]
-    if deflection in names:  # it follows the rim: a spring
-        k = names.index(deflection)
-        by_x[:, q] += np.outer(by_x[:, k], by_x[rates + k, v])
-    size = n + len(lag)
-    M, D, K = (np.zeros((size, size)) for _ in range(3))
-    M[:n, :n], D[:n, :n], K[:n, :n], K[:n, n:] = by_a[:n], by_x[:n, v], by_x[:n, q], by_x[:n, lag]
-    D[n:, :n], D[n:, n:] = -by_x[late][:, v], np.eye(len(lag))
-    K[n:, :n], K[n:, n:] = -by_x[late][:, q], -by_x[late][:, lag]
-    commands = ["torque_command", *(["brake"] if held_by == "brake" else [])]
-    B = np.zeros((size, len(commands) + 3))
-    B[n:, : len(commands)] = by_u[late][:, [INPUT_NAMES.index(name) for name in commands]]
-    B[:n, len(commands)] = -by_x[:n, 0]
-    B[1, -2] = B[2, -1] = 1.0
-    seen = [*range(n, n + 2), *range(shown, shown + len(_DRIVE_OUTPUTS))]
-    C = by_x[seen][:, [*q, *lag]]
-    C_v, C_a = (np.hstack((by[seen], np.zeros((len(seen), len(lag))))) for by in (by_x[:, v], by_a))
-    return LinearHoist(
-        coordinates,
-        tuple(names[k] for k in lag),
-        (M, D, K),
-        (*commands, "torque", "force_left", "force_right"),
-        B,
-        (*_TENSIONS, *_DRIVE_OUTPUTS),
-        (C, C_v, C_a),
-        np.zeros((len(seen), B.shape[1])),
-        np.array([x[0], *([1.0] if held_by == "brake" else []), 0.0, 0.0, 0.0]),
-        values[seen].ravel(),
-    )
-
-
 _Hung = Sequence[tuple[LinearRopeSpec, LinearRope]]
 
 
@@ -329,7 +173,8 @@ def _parts(
     """Return ropes and hoist at this part of the travel."""
     if not 0.0 <= at <= 1.0:
         raise ValueError(f"at = {at:g} must be within 0 and 1: it is a part of the travel")
-    left, right = at * hoist.shaft_travel, (1.0 - at) * hoist.shaft_travel
+    left = at * hoist.shaft_travel
+    right = (1.0 - at) * hoist.shaft_travel
     specs = list(specs)
     ends = EndMotion(y=left), EndMotion(y=right)
     ropes = {
@@ -345,12 +190,12 @@ def _parts(
         / hoist.tail_rope_number
         for side in SIDES
     ]
-    return hung, _linear_hoist(hoist, (left, right), (pulls[0], pulls[1]), held_by, speed)
+    return hung, linear_hoist(hoist, (left, right), (pulls[0], pulls[1]), held_by, speed)
 
 
 def _end_coordinates(rope: LinearRope) -> dict[str, int]:
     """Return the coordinates of a rope's ends by name."""
-    firsts = {"left": 0, "right": rope.free.size - 7}
+    firsts = {"left": 0, "right": rope.free.size - NODE_DOF}
     return {f"{side}.{name}": firsts[side] + k for side in SIDES for name, k in _END.items()}
 
 
@@ -383,77 +228,117 @@ def _carried(
     return sp.csc_matrix((values, (rows, columns)), shape=(rope.free.size, size))
 
 
-def _assembled(at: float, hung: _Hung, hoist: LinearHoist) -> LinearModel:
-    """Return hoist and ropes, joined at the heights of the ends."""
-    drives, n_lags, ropes = len(hoist.coordinates), len(hoist.lags), [rope for _, rope in hung]
-    if drives:
+class _Layout(NamedTuple):
+    """Order of the coordinates: the drive's, those of the ropes, held ones, those that lag."""
+
+    drives: int  # number of the drive's
+    firsts: list[int]  # first coordinate of each rope
+    heights: dict[str, int]  # shared heights of the ends, by name
+    held: list[str]
+    first_held: int
+    first_lag: int
+    total: int
+
+    @property
+    def shared(self) -> dict[str, int]:
+        """Coordinates that move ends of several ropes, by the ends' names."""
+        return self.heights | {name: self.first_held + k for k, name in enumerate(self.held)}
+
+    @property
+    def of_hoist(self) -> list[int]:
+        """Coordinates of the hoist's part, in its order."""
+        return [*range(self.drives), *range(self.first_lag, self.total)]
+
+
+def _layout(hung: _Hung, hoist: LinearHoist) -> _Layout:
+    heights = dict[str, int]()
+    if hoist.coordinates:
         heights = {f"{side}.y": hoist.coordinates.index(f"y_{side}") for side in SIDES}
-    else:
-        heights = {}
+    ropes = [rope for _, rope in hung]
     held = [
         name
         for name in _end_coordinates(ropes[0])
         if name not in heights and any(_is_moved(spec, rope, name) for spec, rope in hung)
     ]
-    firsts = drives + np.cumsum([0, *(np.count_nonzero(rope.free) for rope in ropes)])
-    first_held = int(firsts[-1])
+    drives = len(hoist.coordinates)
+    sizes = [np.count_nonzero(rope.free) for rope in ropes]
+    firsts = (drives + np.cumsum([0, *sizes])).tolist()
+    first_held = firsts.pop()
     first_lag = first_held + len(held)
-    total, shared = (
-        first_lag + n_lags,
-        heights | dict(zip(held, range(first_held, first_lag), strict=True)),
+    return _Layout(
+        drives,
+        firsts,
+        heights,
+        held,
+        first_held=first_held,
+        first_lag=first_lag,
+        total=first_lag + len(hoist.lags),
     )
+
+
+def _assembled(at: float, hung: _Hung, hoist: LinearHoist) -> LinearModel:
+    """Return hoist and ropes, joined at the heights of the ends."""
+    layout = _layout(hung, hoist)
+    total = layout.total
+    held = range(layout.first_held, layout.first_lag)
+    of_hoist = layout.of_hoist
+    ropes = [rope for _, rope in hung]
     Ts = [
-        _carried(*one, first, shared, total)
-        for one, first in zip(hung, firsts.tolist(), strict=False)
+        _carried(spec, rope, first, layout.shared, total)
+        for (spec, rope), first in zip(hung, layout.firsts, strict=True)
     ]
-    mine = [*range(drives), *range(first_lag, total)]
-    S = sp.csc_matrix((np.ones(len(mine)), (range(len(mine)), mine)), shape=(len(mine), total))
-    keep = sp.diags([0.0 if first_held <= k < first_lag else 1.0 for k in range(total)])
-    M, D, K = (
-        sum(
-            (
-                keep @ (spec.number * (T.T @ getattr(rope, part) @ T))
-                for (spec, rope), T in zip(hung, Ts, strict=True)
-            ),
-            keep @ (S.T @ sp.csc_matrix(H) @ S),
-        ).tocsc()
-        for part, H in zip(("mass", "damping", "stiffness"), hoist.matrices, strict=True)
-    )
-    B = np.zeros((total, len(hoist.inputs) + len(held)))
-    B[mine, : len(hoist.inputs)] = hoist.B
-    B[first_held:first_lag, len(hoist.inputs) :] = np.eye(len(held))
-    C = [
-        sp.vstack(
-            [sp.csr_matrix(H) @ S, *(rope.maps[k] @ T for rope, T in zip(ropes, Ts, strict=True))]
-        ).tocsr()
-        for k, H in enumerate(hoist.maps)
-    ]
-    prefixed = [(f"{spec.name}." if spec.name else "", rope) for spec, rope in hung]
-    rope_coordinates = [
-        f"rope.{prefix}{k // 7}.{k % 7}"
-        for prefix, rope in prefixed
-        for k in np.flatnonzero(rope.free)
-    ]
-    names = (*hoist.coordinates, *rope_coordinates, *held, *hoist.lags)
-    outputs = [f"{prefix}{name}" for prefix, rope in prefixed for name in rope.outputs]
+    ones = np.ones(len(of_hoist))
+    S = sp.csc_matrix((ones, (range(len(of_hoist)), of_hoist)), shape=(len(of_hoist), total))
+    keep = sp.diags([0.0 if k in held else 1.0 for k in range(total)])
+    matrices = []
+    for part, H in zip(("mass", "damping", "stiffness"), hoist.matrices, strict=True):
+        whole = keep @ (S.T @ sp.csc_matrix(H) @ S)
+        for (spec, rope), T in zip(hung, Ts, strict=True):
+            whole = whole + keep @ (spec.number * (T.T @ getattr(rope, part) @ T))
+        matrices.append(whole.tocsc())
+    maps = []
+    for k, H in enumerate(hoist.maps):
+        of_ropes = [rope.maps[k] @ T for rope, T in zip(ropes, Ts, strict=True)]
+        maps.append(sp.vstack([sp.csr_matrix(H) @ S, *of_ropes]).tocsr())
+    M, D, K = matrices
+    C, C_v, C_a = maps
+    inputs = (*hoist.inputs, *layout.held)
+    B = np.zeros((total, len(inputs)))
+    B[of_hoist, : len(hoist.inputs)] = hoist.B
+    B[held, len(hoist.inputs) :] = np.eye(len(held))
+    rope_outputs = [f"{_prefix(spec)}{name}" for spec, rope in hung for name in rope.outputs]
+    through = np.zeros((len(hoist.outputs) + len(rope_outputs), len(inputs)))
+    through[: len(hoist.outputs), : len(hoist.inputs)] = hoist.through
     return LinearModel(
         at,
-        names,
-        len(held),
-        n_lags,
-        (M + sp.eye(total) - keep).tocsc(),
-        D,
-        K,
-        (*hoist.inputs, *held),
-        B,
-        (*hoist.outputs, *outputs),
-        (C[0], C[1], C[2]),
-        np.vstack(
-            (
-                np.hstack((hoist.through, np.zeros((len(hoist.outputs), len(held))))),
-                np.zeros((len(outputs), B.shape[1])),
-            )
-        ),
-        np.concatenate((hoist.rest_inputs, np.zeros(len(held)))),
-        np.concatenate((hoist.rest_outputs, *(rope.rest for rope in ropes))),
+        names=(*hoist.coordinates, *_rope_coordinates(hung), *layout.held, *hoist.lags),
+        held=len(held),
+        lags=len(hoist.lags),
+        mass=(M + sp.eye(total) - keep).tocsc(),
+        damping=D,
+        stiffness=K,
+        inputs=inputs,
+        B=B,
+        outputs=(*hoist.outputs, *rope_outputs),
+        maps=(C, C_v, C_a),
+        through=through,
+        rest_inputs=np.concatenate((hoist.rest_inputs, np.zeros(len(held)))),
+        rest_outputs=np.concatenate((hoist.rest_outputs, *(rope.rest for rope in ropes))),
     )
+
+
+def _prefix(spec: LinearRopeSpec) -> str:
+    """Return what names of one of several ropes begin with."""
+    if spec.name:
+        return f"{spec.name}."
+    return ""
+
+
+def _rope_coordinates(hung: _Hung) -> list[str]:
+    """Return the names of the ropes' free coordinates, see LinearModel."""
+    names = []
+    for spec, rope in hung:
+        for place in np.flatnonzero(rope.free).tolist():
+            node, k = divmod(place, NODE_DOF)
+            names.append(f"rope.{_prefix(spec)}{node}.{k}")
+    return names

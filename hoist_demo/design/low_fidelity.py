@@ -55,8 +55,12 @@ def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> L
     held = float(rest.x[0]) / R
 
     # the controller; forces at the rim
-    reference, q, v = ca.SX.sym("r", 3), ca.SX.sym("q", 3), ca.SX.sym("v", 3)
-    motor, integral, jerk = ca.SX.sym("m"), ca.SX.sym("I"), ca.SX.sym("j")
+    reference = ca.SX.sym("r", 3)
+    q = ca.SX.sym("q", 3)
+    v = ca.SX.sym("v", 3)
+    motor = ca.SX.sym("m")
+    integral = ca.SX.sym("I")
+    jerk = ca.SX.sym("j")
     controller = SpeedController(hoist, held, gains)
     motion = ca.vertsplit(reference)
     force, error = controller.force(motion, q[1], v[0], integral)
@@ -89,7 +93,8 @@ def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> L
 
 def _accelerations(plant: HoistPlant, rest: PlantState) -> Any:
     """(state of the drive) -> (phi'', a_L, a_R) under balance ropes that are only mass."""
-    x, F = ca.SX.sym("x", len(STATE_NAMES)), ca.SX.sym("F", 2)
+    x = ca.SX.sym("x", len(STATE_NAMES))
+    F = ca.SX.sym("F", 2)
     u = ca.SX.zeros(len(INPUT_NAMES))
     u[list(FORCES)] = F
     moved = equations(plant.hoist.equation_structure).rates(
@@ -104,9 +109,12 @@ def _accelerations(plant: HoistPlant, rest: PlantState) -> Any:
 
 def _mass_and_load(hoist: Hoist) -> Any:
     """(heights, speeds) -> M, c of the legs of one balance rope."""
-    y, v = ca.SX.sym("y", 2), ca.SX.sym("v", 2)
-    legs, rho = ca.vertcat(*_legs(hoist, y[0], y[1])), hoist.tail_rope_mass
-    kinetic, potential = rho / 2 * ca.dot(legs, v**2), rho * GRAVITY * ca.dot(legs, y - legs / 2)
+    y = ca.SX.sym("y", 2)
+    v = ca.SX.sym("v", 2)
+    legs = ca.vertcat(*_legs(hoist, y[0], y[1]))
+    rho = hoist.tail_rope_mass
+    kinetic = rho / 2 * ca.dot(legs, v**2)
+    potential = rho * GRAVITY * ca.dot(legs, y - legs / 2)
     momentum = ca.gradient(kinetic, v)
     c = ca.jtimes(momentum, y, v) - ca.gradient(kinetic, y) + ca.gradient(potential, y)
     return ca.Function("legs", [y, v], [ca.jacobian(momentum, v), c])

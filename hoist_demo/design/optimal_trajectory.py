@@ -61,12 +61,12 @@ def optimise(
 
     # the reference is a chain of integrators between nodes; the hoist follows it from the start to the hold's end
     opti = ca.Opti()
-    T, J, r = (
-        opti.variable(),
-        opti.variable(1, N),
-        opti.variable(3, N + 1),
-    )  # r: s [10 m], v [10 m/s], a [m/s^2]
-    scale, h, j = ca.DM([10.0, 10.0, 1.0]), T / N, winding.jerk * J
+    T = opti.variable()
+    J = opti.variable(1, N)
+    r = opti.variable(3, N + 1)  # s [10 m], v [10 m/s], a [m/s^2]
+    scale = ca.DM([10.0, 10.0, 1.0])
+    h = T / N
+    j = winding.jerk * J
     s, v, a = (scale[i] * r[i, :] for i in range(3))
     ends = (
         s[:-1] + h * (v[:-1] + h * (a[:-1] / 2 + h * j / 6)) - s[1:],
@@ -125,8 +125,12 @@ def require_no_creep(winding: Winding) -> None:
 
 def _swing(model: LowFidelityModel, N: int, N_hold: int, substeps: int) -> Any:
     """(T, jerks) -> mean over the hold of the squared conveyance speeds [m^2/s^2], from one simulation."""
-    x, j, h = ca.SX.sym("x", STATES), ca.SX.sym("j"), ca.SX.sym("h")
-    z, squares, dt = x, ca.SX(0), h / substeps
+    x = ca.SX.sym("x", STATES)
+    j = ca.SX.sym("j")
+    h = ca.SX.sym("h")
+    z = x
+    squares = ca.SX(0)
+    dt = h / substeps
     for _ in range(substeps):
         k1 = model.rates(z, j)
         k2 = model.rates(z + dt / 2 * k1, j)
@@ -135,7 +139,8 @@ def _swing(model: LowFidelityModel, N: int, N_hold: int, substeps: int) -> Any:
         z = z + dt / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
         squares += (z[7] ** 2 + z[8] ** 2) / substeps
     step = ca.Function("step", [x, j, h], [z, squares])
-    T, jerks = ca.MX.sym("T"), ca.MX.sym("jerks", 1, N)
+    T = ca.MX.sym("T")
+    jerks = ca.MX.sym("jerks", 1, N)
     rest = ca.DM.zeros(1, N_hold)
     _, squared_speeds = step.mapaccum(N + N_hold)(
         model.start, ca.horzcat(jerks, rest), ca.repmat(T / N, 1, N + N_hold)

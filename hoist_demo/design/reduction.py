@@ -238,8 +238,11 @@ class _Reduction:
 
     def of(self, states: int) -> ReducedModel:
         """Return the models of so many states, with their errors."""
-        first, band, grid = self._models[0], self._band, self._grid
-        systems, errors = list[_System](), []
+        first = self._models[0]
+        band = self._band
+        grid = self._grid
+        systems = list[_System]()
+        errors = []
         for model, basis, exact in zip(self._models, self._bases(states), self._exact, strict=True):
             A, B, C, D = _projected(model, basis)
             C, D = _fitted(A, B, C, D, grid[::2], exact[::2])
@@ -269,7 +272,8 @@ class _Reduction:
         """Return motions (free, count) of each height, orthonormal by M, with the same meaning at all heights."""
         first = self._models[0]
         driven = len(driven_coordinates(first))
-        count, other_states = (states - first.lags) // 2 - driven, first.lags + 2 * driven
+        count = (states - first.lags) // 2 - driven
+        other_states = first.lags + 2 * driven
         if len(self._models) > 1:
             return _krylov_bases(self._models, self._band, states, count, other_states)
         shapes = self._shapes
@@ -377,10 +381,8 @@ def _quasi_static_motions(model: LinearModel, hoist_coordinates: Sequence[int]) 
     """Slow motions (free, coordinates) of the hoist's ``hoist_coordinates``, which the rest follows."""
     n = model.free
     rest = np.setdiff1d(np.arange(n), hoist_coordinates)
-    K, W = (
-        (model.stiffness[:n, :n] + (2 * np.pi * _SHIFT) ** 2 * model.mass[:n, :n]).tocsc(),
-        np.eye(n)[:, hoist_coordinates],
-    )
+    K = (model.stiffness[:n, :n] + (2 * np.pi * _SHIFT) ** 2 * model.mass[:n, :n]).tocsc()
+    W = np.eye(n)[:, hoist_coordinates]
     W[rest] = -splu(K[rest][:, rest].tocsc()).solve(K[rest][:, hoist_coordinates].toarray())
     return W
 
@@ -425,12 +427,10 @@ def _orthonormal(W: Array, M: sp.csc_matrix) -> Array:
 
 def _projected(model: LinearModel, basis: Array) -> _System:
     """First-order model of the motions, what follows held ends, and what lags."""
-    n, total, count, driven = (
-        model.free,
-        len(model.names),
-        basis.shape[1],
-        driven_coordinates(model),
-    )
+    n = model.free
+    total = len(model.names)
+    count = basis.shape[1]
+    driven = driven_coordinates(model)
     others = np.eye(total)[:, [*driven, *range(n + model.held, total)]]
     W = np.hstack((np.vstack((basis, np.zeros((total - n, count)))), others))
     V = W.copy()
@@ -483,7 +483,8 @@ def _pushes(model: LinearModel, s: NDArray[np.complex128]) -> NDArray[np.complex
 def _first_order(model: LinearModel, V: Array, W: Array) -> _System:
     """Return the projected model with the states coordinates, rates, lags."""
     M, D, K = (W.T @ (A @ V) for A in (model.mass, model.damping, model.stiffness))
-    B, (C, C_v, C_a) = W.T @ model.B, (np.asarray(A @ V) for A in model.maps)
+    B = W.T @ model.B
+    C, C_v, C_a = (np.asarray(A @ V) for A in model.maps)
     m = V.shape[1] - model.lags
     inverse = np.linalg.inv(M[:m, :m])
     a = -inverse @ np.hstack((K[:m, :m], D[:m, :m], K[:m, m:]))

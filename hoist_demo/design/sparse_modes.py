@@ -94,7 +94,8 @@ def _part(K: sp.csc_matrix, M: sp.csc_matrix, low: _Shifted, high: _Shifted) -> 
                 tol=1e-8,
             )
         except ArpackNoConvergence as error:
-            values, shapes = error.eigenvalues, error.eigenvectors
+            values = error.eigenvalues
+            shapes = error.eigenvectors
         inside = (low.shift < values) & (values <= high.shift)
         found = int(np.count_nonzero(inside))
         if found == count:

@@ -59,7 +59,8 @@ def static_slip_safeties(hoist: Hoist, winding: Winding) -> list[StaticSlipSafet
     The conveyances are rigidly hung: swing of the head ropes, which jerk excites, lowers what a winding shows.
     """
     instants = []
-    up, law = 1.0 if winding.travel > 0.0 else -1.0, winding.emergency_law
+    up = 1.0 if winding.travel > 0.0 else -1.0
+    law = winding.emergency_law
     full = (
         hoist.brake if law in ("torque", "two-stage") else None
     )  # nothing regulates it: the imbalance counts

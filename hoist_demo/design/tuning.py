@@ -123,7 +123,8 @@ class _Walk:
         costs = [point.cost for point in sample]
         # a run that failed scores worse than any, but makes no cliff for the quadratic models
         self._failed = Score(2.0 * max(costs) - min(costs), tuple(1.0 for _ in judged.violations))
-        self._evaluate, self._start = evaluate, start
+        self._evaluate = evaluate
+        self._start = start
         self._seen = {start.tobytes(): judged}
         self.points: list[Array] = []
         self.scores: list[Score] = []

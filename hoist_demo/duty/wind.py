@@ -12,6 +12,7 @@ from hoist_demo.cosimulation.checkpoint import Checkpoint, differences
 from hoist_demo.cosimulation.host import Progress
 from hoist_demo.cosimulation.run_state import Result, TripEnd
 from hoist_demo.cosimulation.schemes.interface import RopePlant
+from hoist_demo.cosimulation.trip_plan import NeighbouringTrips
 from hoist_demo.duty.schedule import ROUNDING, Schedule
 from hoist_demo.recording.incidents import guard_trip, jams
 from hoist_demo.recording.ropes import computed
@@ -59,8 +60,7 @@ def wind_duty(
             rope,
             progress=None if progress is None else progress(number),
             drive=drive,
-            after=after,
-            next_hoist=schedule.trip(number + 1).hoist,
+            neighbours=NeighbouringTrips(after, schedule.trip(number + 1).hoist),
         )
         if guard_trip(result.recording) is not None or jams(result.recording):
             # a hoist with an open safety circuit does not start again

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -12,7 +12,7 @@ from fmu_src.model_description import MODEL
 from fmu_src.native.export import export_model, export_native
 from fmu_src.profile import Profile
 from fmu_src.python.export import export_fmu
-from fmu_src.ssp import Component, Datum, Version, export_ssp
+from fmu_src.ssp import Component, Datum, System, Version, export_ssp
 from hoist_demo.cases.case import Case
 from hoist_demo.drive_fmu.description import drive_model, duration
 from hoist_demo.drive_fmu.interface import DriveRope
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from hoist_demo.control.trajectory import Trajectory
     from hoist_demo.run.ropes import OneRope
 
+NATIVE = "native"  #: Flavour of the complete rope in C.
+PYTHON = "Python"  #: Flavour of the published system in plain Python.
 DRIVE = "drive"  #: Name of the drive in a system.
 ROPE = "rope"  #: Name of the rope in a system with one.
 #: Names of what a system can leave out: of hoist and trip, and of ropes.
@@ -51,56 +53,81 @@ class HoistFiles(NamedTuple):
     fmus: Mapping[str, Path]  # FMUs by their names in the system
 
 
+@dataclass(frozen=True)
+class RopeFmu:
+    """Choices of a rope's FMU; the defaults are those of `balance-rope export`."""
+
+    flavour: str = NATIVE  # or PYTHON, FMI 2.0 alone
+    fmi: int = 2
+    level: Level = "standard"
+    platforms: Sequence[str] | None = None  # names of FMI 3.0; None: all that can be built here
+    profile: Profile = Profile()  # noqa: RUF009  it is frozen
+    identifier: str = MODEL  # of a native FMU
+
+
+@dataclass(frozen=True)
+class SystemOptions:
+    """Choices of a system that no FMU has."""
+
+    name: str = "hoist"  # of the file
+    without: Collection[str] = ()  # parts to leave out, names of OMITTABLE
+    #: Reference of the trip, without the wait before it; None: the winding's S-curve.
+    trajectory: Trajectory | None = None
+    #: Communication step of the system and sample time of its controller [s], at most MAX_STEP.
+    #: None: LIGHT_STEP, or HEAVY_STEP where the balance ropes weigh more than HEAVY_ROPE_RATIO of
+    #: the lighter conveyance.
+    step: float | None = None
+    version: Version = "1.0"  # of SSP
+    data: Sequence[Datum] = ()  # the data's statuses, which go into the system
+
+    def __post_init__(self) -> None:
+        unknown = sorted({*self.without} - {*OMITTABLE})
+        if unknown:
+            raise ValueError(
+                f"without = {unknown[0]!r} must be one of {', '.join(OMITTABLE)}: choose one"
+            )
+        if self.step is not None and not 0.0 < self.step <= MAX_STEP:
+            raise ValueError(
+                f"step = {self.step:g} s must be above 0 and at most {MAX_STEP:g} s: shorten it"
+            )
+
+
 def export_rope(
     destination: Path,
     case: Case,
     parameters: Mapping[str, Value],
-    flavour: str = "native",
-    fmi: int = 2,
-    level: Level = "standard",
-    platforms: Sequence[str] | None = None,
-    profile: Profile | None = None,
-    identifier: str = MODEL,
+    fmu: RopeFmu = RopeFmu(),
 ) -> Path:
     """Write the FMU of a rope of the hoist of ``case``, which starts where its conveyances wait.
 
-    ``parameters`` are the rope's by FMI name; the rest is the level's. ``flavour`` is "native" or
-    "Python"; the latter has one model identifier.
+    ``parameters`` are the rope's by FMI name; the rest is the level's.
     """
     left, right = start_heights(case.hoist, case.winding)
     start = {**parameters, "left.y": left, "right.y": right}
-    profile = replace(profile or Profile(), stop=duration(case.winding))
-    if flavour == "native":
+    profile = replace(fmu.profile, stop=duration(case.winding))
+    if fmu.flavour == NATIVE:
         return export_native(
             destination,
-            level=level,
-            fmi=fmi,
-            platforms=platforms,
+            level=fmu.level,
+            fmi=fmu.fmi,
+            platforms=fmu.platforms,
             start=start,
             profile=profile,
-            identifier=identifier,
+            identifier=fmu.identifier,
         )
-    return export_fmu(destination, level=level, start=start, profile=profile, platforms=platforms)
+    return export_fmu(
+        destination, level=fmu.level, start=start, profile=profile, platforms=fmu.platforms
+    )
 
 
 def export_hoist(
     folder: Path,
     case: Case,
     ropes: Sequence[OneRope] = (),
-    flavour: str = "native",
-    fmi: int = 2,
-    level: Level = "standard",
-    platforms: Sequence[str] | None = None,
-    profile: Profile | None = None,
-    *,
-    name: str = "hoist",
-    without: Collection[str] = (),
-    trajectory: Trajectory | None = None,
-    step: float | None = None,
-    version: Version = "1.0",
-    data: Sequence[Datum] = (),
+    fmu: RopeFmu = RopeFmu(),
+    options: SystemOptions = SystemOptions(),
 ) -> HoistFiles:
-    """Write drive, ropes and their system into ``folder``: FMUs, and ``name``.ssp with all of them.
+    """Write drive, ropes and their system into ``folder``: FMUs, and an SSP with all of them.
 
     Each FMU has the start values of this hoist; the SSP binds none but ``inputs_at_step_end``,
     because tools treat bindings differently.
@@ -111,69 +138,52 @@ def export_hoist(
         Hoist, trip, gains, and the rope of a hoist with one, or with equal ones.
     ropes
         The ropes where they differ; the hoist of ``case`` has them as one (``Ropes.hoist``).
-    without
-        Parts to leave out, by names of WITHOUT.
-    trajectory
-        Reference of the trip, without the wait before it; None: the winding's S-curve.
-    step
-        Communication step of the system and sample time of its controller [s], at most MAX_STEP.
-        None: LIGHT_STEP, or HEAVY_STEP where the balance ropes weigh more than HEAVY_ROPE_RATIO of the
-        lighter conveyance.
-    version
-        Of SSP.
-    data
-        The data's statuses, which go into the system.
+    fmu
+        Choices of the ropes' FMUs; the drive's has their platforms and version of FMI.
 
     Raises
     ------
     ValueError
         For parts that a system cannot hold; the message says how to leave them out.
     """
-    if unknown := sorted({*without} - {*OMITTABLE}):
-        raise ValueError(
-            f"without = {unknown[0]!r} must be one of {', '.join(OMITTABLE)}: choose one"
-        )
-    if step is not None and not 0.0 < step <= MAX_STEP:
-        raise ValueError(
-            f"step = {step:g} s must be above 0 and at most {MAX_STEP:g} s: shorten it"
-        )
-    case = leave_out(case, without)
-    Problems([*obstacles(case), *_obstacles(case, ropes, without)]).refuse()
+    case = leave_out(case, options.without)
+    Problems([*obstacles(case), *_obstacles(case, ropes, options.without)]).refuse()
+    step = options.step
+    if step is None:
+        step = step_of(case)
     drive_ropes = [
         DriveRope(r.name, r.scene.rope.mass_per_length, r.scene.rope.length, r.suspension)
         for r in ropes
     ]
-    if step is None:
-        step = step_of(case)
-    drive = drive_model(case, drive_ropes, trajectory, period=step)
-    drive_fmu = export_model(folder / f"{DRIVE}.fmu", platforms, fmi, drive)
-    fmus = {DRIVE: drive_fmu}
+    drive = drive_model(case, drive_ropes, options.trajectory, period=step)
+    drive_fmu = export_model(folder / f"{DRIVE}.fmu", fmu.platforms, fmu.fmi, drive)
+    fmus = {DRIVE: drive_fmu, **_export_ropes(folder, case, ropes, fmu)}
     components = [Component(DRIVE, drive_fmu, {})]
-    for rope, parameters in _parameters(case, ropes).items():
-        fmus[rope] = export_rope(
-            folder / f"{rope}.fmu",
-            case,
-            parameters,
-            flavour=flavour,
-            fmi=fmi,
-            level=level,
-            platforms=platforms,
-            profile=profile,
-            identifier=_identifier(rope) if ropes else MODEL,
-        )
-        components.append(Component(rope, fmus[rope], _SIMULTANEOUS))
-    system = folder / f"{name}.ssp"
-    export_ssp(
-        system,
-        name="FrictionHoist",
-        components=components,
+    components += [
+        Component(name, path, _SIMULTANEOUS) for name, path in fmus.items() if name != DRIVE
+    ]
+    system = System(
+        "FrictionHoist",
         stop=drive.duration,
         step=step,
         description=drive.description,
-        version=version,
-        data=data,
+        version=options.version,
+        data=options.data,
     )
-    return HoistFiles(system, fmus)
+    path = export_ssp(folder / f"{options.name}.ssp", components, system)
+    return HoistFiles(path, fmus)
+
+
+def _export_ropes(
+    folder: Path, case: Case, ropes: Sequence[OneRope], fmu: RopeFmu
+) -> dict[str, Path]:
+    """Write the FMUs of the ropes into ``folder``; return them by the ropes' names in the system."""
+    fmus = {}
+    for name, parameters in _parameters(case, ropes).items():
+        identifier = _identifier(name) if ropes else MODEL
+        of_rope = replace(fmu, identifier=identifier)
+        fmus[name] = export_rope(folder / f"{name}.fmu", case, parameters, of_rope)
+    return fmus
 
 
 def _identifier(rope: str) -> str:

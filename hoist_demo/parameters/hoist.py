@@ -19,7 +19,7 @@ import numpy as np
 
 from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play, require
 from hoist_demo.parameters.quantity import NONNEGATIVE, Bounds, ValidatedData, parameter
-from rope_model.physics.elementary import maximum, sum_of
+from rope_model.physics.elementary import Scalar, maximum, sum_of
 
 GRAVITY = 9.81  #: Acceleration of free fall [m/s^2].
 SIDES = ("left", "right")  #: Sides of a hoist: its conveyances, and the ends of its balance ropes.
@@ -213,7 +213,7 @@ class Hoist(ValidatedData):
         """Tension ratio at which ropes slip on the sheave, exp(mu alpha) (Euler-Eytelwein)."""
         return math.exp(self.friction_coefficient * self.wrap_angle)
 
-    def slip_safety(self, ratio: Any) -> Any:
+    def slip_safety(self, ratio: Scalar) -> Any:
         """Return friction over required friction, (exp(mu alpha) - 1) / (ratio - 1)."""
         excess = np.asarray(ratio - 1.0)
         limit = self.tension_ratio_limit - 1.0
@@ -222,7 +222,7 @@ class Hoist(ValidatedData):
             return safety
         return float(safety)
 
-    def torque_available(self, rate: Any) -> Any:
+    def torque_available(self, rate: Scalar) -> Scalar:
         """Return the largest torque of the motor [N m] at a speed of rotation [rad/s].
 
         Limits of torque and power hold. The speed may be a symbol.

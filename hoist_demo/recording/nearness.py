@@ -35,6 +35,11 @@ class RopePair:
     nearest: Nearest | None  # None: no instant at which both have a shape
     account: Account | None
 
+    @property
+    def touched(self) -> bool:
+        """True if the ropes touched, as far as their shapes show."""
+        return self.nearest is not None and self.nearest.clearance <= 0.0
+
 
 def nearest(times: Array, one: Array, other: Array, radii: float) -> Nearest:
     """Return the nearest approach of two ropes.

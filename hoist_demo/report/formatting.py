@@ -1,5 +1,6 @@
 """Numbers, units and rows of tables as texts for people."""
 
+import math
 import re
 
 Row = tuple[str, ...]  #: Quantity, value and unit as texts, and perhaps what more is known of it.
@@ -34,3 +35,14 @@ def unit_text(unit: str) -> str:
     """Format a unit for people: `N.m2` and `N m^2` as N m², and nothing for a pure number."""
     text = unit.replace(".", " ").replace("^", "") if unit != "1" else ""
     return re.sub(r"(?<=[A-Za-z])[23]", lambda match: {"2": "²", "3": "³"}[match[0]], text)
+
+
+def rounded(value: float, error: float) -> str:
+    """Return a number with the decimals that its error allows, three at most.
+
+    An unknown error leaves three digits.
+    """
+    if not error > 0.0:
+        return number(value, 3)
+    decimals = min(3, max(0, round(-math.log10(error))))
+    return f"{round(value, decimals) + 0.0:.{decimals}f}"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.report.rows import CHANGED, Report, rows_by_group
-from hoist_demo.report.verdict import COLUMNS
+from hoist_demo.report.verdict_row import COLUMNS
 
 CAPTIONS = {
     "tracking": "Motion of both conveyances against the reference of the left one.",

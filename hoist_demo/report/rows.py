@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from hoist_demo.report.formatting import Row, number, unit_text
 from hoist_demo.report.parameter_tables import TitledRows
-from hoist_demo.report.verdict import COLUMNS, Verdict
+from hoist_demo.report.verdict import Verdict
+from hoist_demo.report.verdict_row import COLUMNS
 from hoist_demo.run.provenance import SETTING, STATUSES, SourcedValue
 
 OUTCOME = "Outcome"  #: Group of the rows on how a run went.

@@ -63,6 +63,11 @@ class RunData(Task):
             if name not in _DESIGN_FIELDS or value is not None
         }
 
+    def as_single_trip(self) -> "RunData":
+        """Return the run as a trip that begins at a landing; refuse a jam that it misses."""
+        require_jams_on_the_way(self.hoist, self.winding)
+        return self
+
     def host_values(self) -> dict[str, Value]:
         """Return the host's values by their names in files, without parts that are None."""
         values = dict[str, Value]()
@@ -160,12 +165,6 @@ def _swing(case: Case, start: float) -> "ArrivalSwing":
     if key not in _SWINGS:
         _SWINGS[key] = swing_at_arrival(case, start)
     return _SWINGS[key]
-
-
-def from_landing(run: RunData) -> RunData:
-    """Return a run that begins at a landing; refuse a jam that it does not reach."""
-    require_jams_on_the_way(run.hoist, run.winding)
-    return run
 
 
 def fmu_part(values: Mapping[str, Value]) -> dict[str, Value]:

@@ -23,7 +23,7 @@ from pydantic import (
 )
 
 from hoist_demo.cases.run_values import FileHeader, Values
-from hoist_demo.cases.table import NATIVE, find_case, fmu_name
+from hoist_demo.cases.table import NATIVE_ENDING, find_case, fmu_name
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs
 from hoist_demo.design.tuning import Plan
@@ -43,7 +43,7 @@ from hoist_demo.files.values import VARIED, ParameterValue, Text, statuses, valu
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.time_series import match_signals
-from hoist_demo.run.data import RunData, build, from_landing
+from hoist_demo.run.data import RunData, build
 from hoist_demo.run.metrics import ARRIVALS, UNITS
 from hoist_demo.run.probe import Probe
 from hoist_demo.study.objective import Constraint, Judge, Objective, constraints_on, read_weights
@@ -126,7 +126,7 @@ def _constraints(table: Table) -> tuple[Constraint, ...]:
 class StudyHeader(FileHeader):
     """Table [study] at the head of a study's file."""
 
-    fmu: Text = Field("", description="the rope; else what export --native makes of the hoist")
+    fmu: Text = Field("", description="the rope; else what export makes of the hoist")
     signals: tuple[Text, ...] = ()
     minimise: Weights = None
     maximise: Weights = None
@@ -337,9 +337,8 @@ class Study:
         fixed = self.variants[variant]
         chosen = {key: value for key, value in values.items() if key in self.design_keys}
         disturbances = {key: value for key, value in values.items() if key not in chosen}
-        run = from_landing(
-            build(self.hoist, {**fixed, **chosen}, self.signals, varied=disturbances)
-        )
+        run = build(self.hoist, {**fixed, **chosen}, self.signals, varied=disturbances)
+        run = run.as_single_trip()
         metrics = self.objective.metrics if self.objective else {}
         of_arrival = [name for name in ARRIVALS if name in metrics]
         stopped_at = run.winding.emergency_at
@@ -389,7 +388,7 @@ def read_study(path: Path, fmu: Path | None = None, progress: CheckProgress = li
     with errors_of_file(path):
         header = file.study
         _require_one_rope(header.hoist)
-        rope = fmu or Path(header.fmu or f"build/{fmu_name(header.hoist, NATIVE)}")
+        rope = fmu or Path(header.fmu or f"build/{fmu_name(header.hoist, NATIVE_ENDING)}")
         with Problems() as problems:
             with problems.at("study"):
                 available = [*DRIVE_UNITS, *read_outputs(rope, header.hoist)]

@@ -7,7 +7,7 @@ import platform
 import shutil
 import struct
 import zipfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -35,10 +35,9 @@ from fmu_src.native.build import (
 from fmu_src.native.export import export_native
 from fmu_src.native.mach_o import parts, universal, with_page_hashes
 from fmu_src.native.start import MAGIC, Start, c_start, with_start, without_start
-from fmu_src.ssp import Datum
 from hoist_demo.cases.case import Case
 from hoist_demo.command_line.main import main
-from hoist_demo.export.system import HoistFiles
+from hoist_demo.export.system import HoistFiles, RopeFmu, SystemOptions
 from rope_model import EndMotion, Scene, Swivel, rope_120
 from rope_model.codegen.platforms import prebuilt_file
 from rope_model.engine import NativeRope
@@ -334,8 +333,15 @@ def test_a_system_takes_values_of_the_hoist_from_the_command_line(
 ) -> None:
     exported = dict[str, Any]()
 
-    def keep(folder: Path, case: Case, *_: Any, data: Sequence[Datum], **others: Any) -> HoistFiles:
-        exported.update(case=case, data={one.name: one for one in data}, **others)
+    def keep(
+        folder: Path, case: Case, _: object, fmu: RopeFmu, options: SystemOptions
+    ) -> HoistFiles:
+        exported.update(
+            case=case,
+            data={one.name: one for one in options.data},
+            trajectory=options.trajectory,
+            flavour=fmu.flavour,
+        )
         (folder / "hoist.ssp").write_text("")
         return HoistFiles(folder / "hoist.ssp", {})
 
@@ -343,7 +349,7 @@ def test_a_system_takes_values_of_the_hoist_from_the_command_line(
     monkeypatch.setattr(
         "hoist_demo.command_line.export.export_rope", lambda path, *_: path.write_text("")
     )
-    options = ["export", "--ssp", "--native", "--platform", "host", "--out", str(tmp_path)]
+    options = ["export", "--ssp", "--platform", "host", "--out", str(tmp_path)]
     assert main([*options, "--set", "hoist.payload_left=1234", "--set", "rope.EI=250"]) == 0
     assert exported["case"].hoist.payload_left == 1234.0
     assert exported["case"].rope["rope.EI"] == 250.0
@@ -354,9 +360,39 @@ def test_a_system_takes_values_of_the_hoist_from_the_command_line(
 
 
 @pytest.mark.parametrize(
+    ("options", "files"),
+    [
+        ([], {"balance_rope_native.fmu": ("native", 2)}),
+        (["--fmi", "3"], {"balance_rope_native_fmi3.fmu": ("native", 3)}),
+        (["--python"], {"balance_rope.fmu": ("Python", 2)}),
+        (
+            ["--python", "--native"],
+            {"balance_rope.fmu": ("Python", 2), "balance_rope_native.fmu": ("native", 2)},
+        ),
+    ],
+)
+def test_an_export_is_native_unless_the_python_flavour_is_chosen(
+    options: list[str],
+    files: dict[str, tuple[str, int]],
+    tmp_path: Path,
+    monkeypatch: Patch,
+) -> None:
+    exported = dict[str, tuple[str, int]]()
+
+    def keep(path: Path, case: Case, parameters: object, fmu: RopeFmu) -> None:
+        exported[path.name] = (fmu.flavour, fmu.fmi)
+        path.write_text("")
+
+    monkeypatch.setattr("hoist_demo.command_line.export.export_rope", keep)
+    assert main(["export", *options, "--platform", "host", "--out", str(tmp_path)]) == 0
+    assert exported == files
+
+
+@pytest.mark.parametrize(
     ("options", "words"),
     [
         (["--native", "--fmi", "2", "3", "--out", "x.fmu"], "give a folder"),
+        (["--python", "--fmi", "3"], "leave out --python"),
         (["--out", "file/x.fmu"], "file cannot be written to"),
         (["--out", "x.txt"], "--out x.txt must end in .fmu or name a folder: give x.fmu"),
         (["--out", "x.ssp"], "--out x.ssp is a system: add --ssp, or give x.fmu"),

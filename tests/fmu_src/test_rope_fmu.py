@@ -313,7 +313,7 @@ def test_an_export_of_more_than_the_published_system_names_parameter_and_native(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "rope.fmu"
-    assert main(["export", "--set", "air.density=1.2", "--out", str(out)]) == 2
+    assert main(["export", "--python", "--set", "air.density=1.2", "--out", str(out)]) == 2
     (line,) = capsys.readouterr().err.strip().splitlines()
     assert "air.density = 1.2 must be 0" in line
     assert line.endswith("take the native flavour, balance-rope export --native")

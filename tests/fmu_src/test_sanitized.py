@@ -55,12 +55,12 @@ from exports import FULL, export_drive
 from fmu_src.native.export import export_native
 from hoist_demo.cosimulation.compiled_trip import CompiledTrip
 from test_compiled_trip import Wound
-samples, done = CompiledTrip.samples, []
+samples, done = CompiledTrip.wind_samples, []
 def counted(self, first, last):
     reached = samples(self, first, last)
     done[-1] += reached.sample - first
     return reached
-CompiledTrip.samples = counted
+CompiledTrip.wind_samples = counted
 here = (build.host_platform(),)
 for fmi in (2, 3):
     export_native(Path(f"{fmi}.fmu"), level="draft", fmi=fmi, platforms=here, profile=FULL)

@@ -159,8 +159,8 @@ def test_command_line_gives_the_model_identifier(
         "--model-identifier",
         "RopeA",
     ]
-    assert main(options) == 2
-    assert main([*options, "--native"]) == 0
+    assert main([*options, "--python"]) == 2
+    assert main(options) == 0
     with zipfile.ZipFile(tmp_path / "x.fmu") as archive:
         names = archive.namelist()
         text = archive.read("modelDescription.xml").decode()

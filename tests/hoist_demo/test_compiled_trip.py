@@ -68,14 +68,14 @@ class Wound:
 def in_c(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Numbers of the samples that were done in C, call by call."""
     done: list[int] = []
-    samples = CompiledTrip.samples
+    samples = CompiledTrip.wind_samples
 
     def counted(self: CompiledTrip, first: int, last: int) -> Any:
         reached = samples(self, first, last)
         done.append(reached.sample - first)
         return reached
 
-    monkeypatch.setattr(CompiledTrip, "samples", counted)
+    monkeypatch.setattr(CompiledTrip, "wind_samples", counted)
     return done
 
 
@@ -209,12 +209,12 @@ for module in (build, kernels):
 from exports import export_stand_in
 from hoist_demo.cosimulation.compiled_trip import CompiledTrip
 from test_compiled_trip import TRIP, Wound
-samples, done = CompiledTrip.samples, []
+samples, done = CompiledTrip.wind_samples, []
 def counted(self, first, last):
     reached = samples(self, first, last)
     done[-1] += reached.sample - first
     return reached
-CompiledTrip.samples = counted
+CompiledTrip.wind_samples = counted
 fmus = [export_stand_in(Path(f"{fmi}.fmu").absolute(), fmi) for fmi in (2, 3)]
 for fmu in (None, *fmus):
     done.append(0)

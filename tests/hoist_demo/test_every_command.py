@@ -15,7 +15,7 @@ from shared import Capture, Patch
 
 from hoist_demo.cases.case import BUILTIN_HOISTS, HOISTS
 from hoist_demo.cases.run_values import Values
-from hoist_demo.cases.table import NATIVE, find_case, fmu_name
+from hoist_demo.cases.table import NATIVE_ENDING, find_case, fmu_name
 from hoist_demo.command_line import wind
 from hoist_demo.command_line.main import main
 from hoist_demo.command_line.options import settings
@@ -311,12 +311,12 @@ def test_a_hoist_takes_no_other_s_fmu(tmp_path: Path, monkeypatch: Patch) -> Non
     monkeypatch.chdir(tmp_path)
     (tmp_path / "build").mkdir()
     # with what a study exported there, the report would lack what that does not show
-    (tmp_path / "build" / fmu_name("rope-120", NATIVE)).write_bytes(b"no FMU")
+    (tmp_path / "build" / fmu_name("rope-120", NATIVE_ENDING)).write_bytes(b"no FMU")
     (tmp_path / "mine.toml").write_text('name = "mine"\nlike = "rope-120"\n[[rope]]\n')
     assert [
         main(["wind", hoist, "--check"]) for hoist in ("rope-120", "rope-240", "mine.toml")
     ] == [2, 0, 0]
-    assert fmu_name("monopol-1000", NATIVE) != fmu_name("rope-120", NATIVE)
+    assert fmu_name("monopol-1000", NATIVE_ENDING) != fmu_name("rope-120", NATIVE_ENDING)
 
 
 def test_a_level_that_is_not_wound_is_told(

@@ -32,15 +32,9 @@ from hoist_demo.recording import fidelity as masks
 from hoist_demo.recording.incidents import SIDES, Stop, stops
 from hoist_demo.recording.time_series import TIME, Recording
 from hoist_demo.report.html import packing
-from hoist_demo.report.verdict import (
-    Verdict,
-    VerdictRow,
-    _instant_to_show,
-    _Rope,
-    bounds_in_words,
-    broken,
-    judge,
-)
+from hoist_demo.report.rope_record import RopeRecord
+from hoist_demo.report.verdict import Verdict, bounds_in_words, broken, instant_to_show, judge
+from hoist_demo.report.verdict_row import VerdictRow
 from hoist_demo.run.data import build
 from rope_model import neglected_text
 
@@ -465,4 +459,7 @@ def test_a_touch_before_or_at_the_instant_0_matters_like_a_later_one(touched_at:
         "nearest.floor.clearance": np.array([0.2, 0.1, 0.1]),
         "nearest.floor.touched_at": np.zeros(3),
     }
-    assert _instant_to_show([_Rope(Recording(signals, {}), RopeData({}, {}, {}))], []) == touched_at
+    assert (
+        instant_to_show([RopeRecord(Recording(signals, {}), RopeData({}, {}, {}))], [])
+        == touched_at
+    )

@@ -23,7 +23,7 @@ from fmu_src.interface import Variable
 from fmu_src.model_description import Build, model_description, model_description3
 from fmu_src.native.table import c_table
 from fmu_src.profile import scalars
-from fmu_src.ssp import export_ssp
+from fmu_src.ssp import System, export_ssp
 from fmu_src.xml import xml_bytes
 from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.page import write_rope_file
@@ -37,10 +37,11 @@ from hoist_demo.report.html import page
 from hoist_demo.report.html.study import study_report
 from hoist_demo.report.markdown import render_markdown
 from hoist_demo.report.rows import Report, SummaryRow
-from hoist_demo.report.verdict import Verdict, VerdictRow
+from hoist_demo.report.verdict import Verdict
+from hoist_demo.report.verdict_row import VerdictRow
 from hoist_demo.run.provenance import SourcedValue, write_data
 from hoist_demo.study.definition import read_study
-from hoist_demo.study.store import Store
+from hoist_demo.study.store import Results, Store
 from hoist_demo.uncertainty.definition import UncertaintyFile
 from rope_model import Datum
 from rope_model.compiler import find_compiler
@@ -173,7 +174,7 @@ def test_model_descriptions_are_xml_with_the_texts(fmi: int) -> None:
 
 def test_a_system_is_xml_with_the_texts(tmp_path: Path) -> None:
     for text in HOSTILE:
-        path = export_ssp(tmp_path / "system.ssp", text, [], 1.0, 0.01, text)
+        path = export_ssp(tmp_path / "system.ssp", [], System(text, 1.0, 0.01, text))
         system = ElementTree.fromstring(read_archive(path)["SystemStructure.ssd"])
         assert {system.get("name"), system[0].get("name"), system[0].get("description")} == {
             xml_text(text)
@@ -209,7 +210,7 @@ def _study_page(text: str, folder: Path) -> str:
     )
     table["cause"] = ["", text]
     meta = {"title": text, "parameters": ["variant"], "study file": text, text: text}
-    return study_report(table, {text: text}, meta, folder / "study.html").read_text(
+    return study_report(Results(table, {text: text}), meta, folder / "study.html").read_text(
         encoding="utf-8"
     )
 
@@ -258,7 +259,7 @@ def test_a_browser_makes_no_element_of_a_text(tmp_path: Path) -> None:
     )
     table.loc[1::2, "cause"] = table["variant"]
     meta = {"title": CLOSES_THE_TABLE, "parameters": ["variant"]}
-    study = study_report(table, dict.fromkeys(HOSTILE, "m"), meta, tmp_path / "study.html")
+    study = study_report(Results(table, dict.fromkeys(HOSTILE, "m")), meta, tmp_path / "study.html")
     speeds = table["speed"].to_numpy()[np.arange(301) % 50]
     winding = run(tmp_path, **dict.fromkeys(HOSTILE, speeds))
     for path in (study, winding):

@@ -18,6 +18,7 @@ from hoist_demo.report.rows import Report
 from hoist_demo.report.verdict import judge
 from hoist_demo.study.objective import Constraint, Objective
 from hoist_demo.study.perform import Best, StudyResult
+from hoist_demo.study.store import Results
 
 pytestmark = pytest.mark.skipif(
     BROWSER is None, reason="no Chromium found: apt-get install chromium"
@@ -140,7 +141,7 @@ def seen_study(
     objective = Objective({"swing": 1.0}, 1.0, (Constraint("clearance", 0.45, -1.0),))
     result = StudyResult(page, 4, {}, {}, {}, (), range(4), Best((3,), "run 4", True))
     return look(
-        study_report(table, {"swing": "mm"}, meta, page, (), result, objective),
+        study_report(Results(table, {"swing": "mm"}), meta, page, (), result, objective),
         _STUDY,
         request.param,
     )

@@ -25,13 +25,13 @@ from systems import COUPLING, STOP, system
 from tools import IMPORTS, INPUTS, environment, require
 
 from fmu_src.native.build import host_platform
-from fmu_src.ssp import Component, Datum, export_ssp
+from fmu_src.ssp import Component, Datum, System, export_ssp
 from hoist_demo.cases.case import HOISTS
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.main import main
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.drive_fmu.description import duration
-from hoist_demo.export.system import export_hoist
+from hoist_demo.export.system import RopeFmu, export_hoist
 from hoist_demo.parameters import Coupling
 
 PART = 800  # steps until it runs at full speed
@@ -152,7 +152,8 @@ def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(
         rope = partial(getattr, read, "plant")
     case = replace(case, winding=replace(case.winding, travel=INSTALLED[name], settle=5.0))
     steps = round(duration(case.winding) / 0.005) - 200
-    ssp = export_hoist(tmp_path, case, members, fmi=3, platforms=(host_platform(),)).system
+    fmu = RopeFmu(fmi=3, platforms=(host_platform(),))
+    ssp = export_hoist(tmp_path, case, members, fmu).system
     ends = [*map(".".join, product(("left", "right"), ("fy", "fx", "fz", "my")))]
     ropes = [one.name for one in members] or ["rope"]
     asked = [f"drive:{x}" for x in ("left.y", "right.y", "left.vy", "drive.torque")]
@@ -209,9 +210,8 @@ def test_system_of_ssp_2_has_the_types_of_fmi_3_and_names_the_statuses_of_its_da
         Datum("rope.Qb", 2.3e5, "N.m", "published"),
         Datum("hoist.sheave_radius", 1.25, "m", "assumed"),
     ]
-    made = export_ssp(
-        tmp_path / "hoist.ssp", "Hoist", components, STOP, ssp_driver.H, version="2.0", data=data
-    )
+    whole = System("Hoist", STOP, ssp_driver.H, version="2.0", data=data)
+    made = export_ssp(tmp_path / "hoist.ssp", components, whole)
     with zipfile.ZipFile(made) as archive:
         archive.extractall(tmp_path)
     structure = tmp_path / "SystemStructure.ssd"

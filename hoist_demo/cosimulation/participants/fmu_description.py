@@ -54,11 +54,13 @@ def _variable(declaration: ScalarVariable) -> Variable:
     if not unit and declared is not None:
         unit = declared.unit
     items: dict[str, int] = {}
-    low, high = declaration.min, declaration.max
+    low = declaration.min
+    high = declaration.max
     if kind == "Enumeration":
         items = {item.name: int(item.value) for item in declared.items}
     if items:
-        low, high = min(items.values()), max(items.values())
+        low = min(items.values())
+        high = max(items.values())
     return Variable(
         name=declaration.name,
         reference=int(declaration.valueReference),

@@ -16,7 +16,8 @@ from hoist_demo.report import formatting, panels, parameter_tables
 from hoist_demo.report.html import packing, page
 from hoist_demo.report.html.packing import along
 from hoist_demo.report.rows import CHANGED, Report, rows_by_group
-from hoist_demo.report.verdict import COLUMNS, Verdict
+from hoist_demo.report.verdict import Verdict
+from hoist_demo.report.verdict_row import COLUMNS
 from rope_model import FAR
 from rope_model.texts import html_text
 

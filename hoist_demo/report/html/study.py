@@ -10,7 +10,7 @@ judges by, what tells of danger, then the rest.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,7 +23,7 @@ from hoist_demo.report.parameter_tables import TitledRows
 from hoist_demo.run.metrics import MORE_IS_BETTER, NEUTRAL, UNITS
 from hoist_demo.study.objective import Constraint, Objective
 from hoist_demo.study.perform import MISSING, WARNINGS, StudyResult
-from hoist_demo.study.store import SEPARATOR, kind_of
+from hoist_demo.study.store import SEPARATOR, Results, kind_of
 from rope_model.texts import html_text
 
 STATUS = "status"
@@ -46,36 +46,78 @@ _FIRST = (
 )
 
 
+Cell = float | str | None
+
+
+class _Column(NamedTuple):
+    """Column of the table in a unit for people, and the factor that leads to it."""
+
+    values: list[Cell]
+    unit: str
+    factor: float
+
+
+class _Shown(NamedTuple):
+    """Columns of a study's table, by how the page shows them."""
+
+    columns: Mapping[str, _Column]
+    parameters: Sequence[str]  # names of the columns that were varied
+    varied: Collection[str]  # that differ between runs
+    fixed: Sequence[str]  # parameters that do not
+    empty: Sequence[str]  # metrics without a value
+    listed: Sequence[str]  # in the order of the page
+
+
 def study_report(
-    table: pd.DataFrame,
-    units: Mapping[str, str],
+    results: Results,
     meta: Mapping[str, Any],
     path: str | Path,
     data_tables: Sequence[TitledRows] = (),
     result: StudyResult | None = None,
     objective: Objective | None = None,
 ) -> Path:
-    """Write the report to `path`, from one row of `table` per run.
-
-    `units` are those by column name ("" or "1" for none).
+    """Write the report to `path`, from one row of the results' table per run.
 
     `data_tables` are tables of the data, `result` the study's outcome, which is judged by `objective`.
     """
-    judged = list[str]()
-    constraints: Sequence[Constraint] = ()
-    if objective:
-        judged = list(objective.metrics)
-        constraints = objective.constraints
-    parameters = [str(name) for name in meta.get("parameters", ())]
-    causes = ["" if pd.isna(cause) else str(cause) for cause in table[CAUSE]]
-    choices: Sequence[int] = range(len(causes))
+    table = results.table
+    judged = list(objective.metrics) if objective else []
+    constraints = objective.constraints if objective else ()
+    choices: Sequence[int] = range(len(table))
     trends: Sequence[str] = ()
     best = None
     if result:
         choices = result.choices
         trends = result.remarks
         best = result.best
-    columns = _columns_in_engineering_units(table, units)
+    shown = _shown(results, [str(name) for name in meta.get("parameters", ())], judged)
+    causes = ["" if pd.isna(cause) else str(cause) for cause in table[CAUSE]]
+    data = {
+        "columns": [_page_column(name, shown, constraints) for name in shown.listed],
+        "statuses": [str(status) for status in table[STATUS]],
+        "causes": causes,
+        "choices": list(choices),
+        "best": list(best.runs) if best else [],
+        "by": judged,
+    }
+    failed = sum(cause != "" for cause in causes)
+    sentences = [f"{len(causes)} runs, {failed} failed. {_passed(table)}{_early(table)}"]
+    if best:
+        sentences.append(f"{best.text[:1].upper()}{best.text[1:]}.")
+    remarks = _list("Not monotonic", trends)
+    remarks += _list("Warnings", _by_text(table, WARNINGS))
+    remarks += _list("Missing", _by_text(table, MISSING))
+    outcome = "</p><p>".join(html_text(text.strip()) for text in sentences if text)
+    tables = _tables(shown, meta, data_tables)
+    body = page.fill("study.html", outcome=outcome, remarks=remarks, tables=tables)
+    title = str(meta.get("title", "Study"))
+    scripts = page.running(("study.js",), data)
+    return page.write_html(Path(path), page.render_page("study", title, body, scripts=scripts))
+
+
+def _shown(results: Results, parameters: Sequence[str], judged: Sequence[str]) -> _Shown:
+    """Return the columns as the page shows them; the study judges by those of `judged`."""
+    columns = _columns_in_engineering_units(results.table, results.units)
     varied = {name for name, column in columns.items() if _differ(column.values)}
     fixed = [name for name in parameters if name in columns and name not in varied]
     empty = [
@@ -90,54 +132,40 @@ def study_report(
     listed.sort(
         key=lambda name: (name not in parameters, name not in varied, place.get(name, len(place)))
     )
-    page_columns = []
-    for name in listed:
-        column = columns[name]
-        bounds = [bound for bound in constraints if bound.metric == name]
-        page_columns.append(
-            {
-                "name": name,
-                "unit": formatting.unit_text(column.unit),
-                "role": "parameter" if name in parameters else "metric",
-                # without anything that differs, as with a single run, all numbers have one
-                "axis": name in varied or not varied,
-                "values": column.values,
-                "bounds": [[column.factor * bound.value, bound.sense] for bound in bounds],
-                "better": _better(name),
-            }
-        )
-    data = {
-        "columns": page_columns,
-        "statuses": [str(status) for status in table[STATUS]],
-        "causes": causes,
-        "choices": list(choices),
-        "best": list(best.runs) if best else [],
-        "by": judged,
+    return _Shown(columns, parameters, varied, fixed, empty, listed)
+
+
+def _page_column(name: str, shown: _Shown, constraints: Sequence[Constraint]) -> dict[str, Any]:
+    """Return a column as the page's script takes it."""
+    column = shown.columns[name]
+    bounds = [bound for bound in constraints if bound.metric == name]
+    return {
+        "name": name,
+        "unit": formatting.unit_text(column.unit),
+        "role": "parameter" if name in shown.parameters else "metric",
+        # without anything that differs, as with a single run, all numbers have one
+        "axis": name in shown.varied or not shown.varied,
+        "values": column.values,
+        "bounds": [[column.factor * bound.value, bound.sense] for bound in bounds],
+        "better": _better(name),
     }
-    failed = sum(cause != "" for cause in causes)
-    sentences = [f"{len(causes)} runs, {failed} failed. {_passed(table)}{_early(table)}"]
-    if best:
-        sentences.append(f"{best.text[:1].upper()}{best.text[1:]}.")
-    remarks = _list("Not monotonic", trends)
-    remarks += _list("Warnings", _by_text(table, WARNINGS))
-    remarks += _list("Missing", _by_text(table, MISSING))
+
+
+def _tables(shown: _Shown, meta: Mapping[str, Any], data_tables: Sequence[TitledRows]) -> str:
+    """Return the tables below the plots: the study, columns without an axis, and the data."""
     about: list[formatting.Row] = [
         (str(name), _text(value), "") for name, value in meta.items() if name not in _META_OF_PAGE
     ]
-    equal: list[formatting.Row] = [
-        (name, _describe(columns[name].values), formatting.unit_text(columns[name].unit))
-        for name in fixed
-    ]
+    equal: list[formatting.Row] = []
+    for name in shown.fixed:
+        column = shown.columns[name]
+        equal.append((name, _describe(column.values), formatting.unit_text(column.unit)))
     tables = page.titled_table("Study", about)
     tables += page.titled_table("The same in all runs", equal)
-    tables += page.titled_table("Not shown by any run", [(name, "", "") for name in empty])
+    tables += page.titled_table("Not shown by any run", [(name, "", "") for name in shown.empty])
     for heading, rows in data_tables:
         tables += page.titled_table(heading, rows)
-    outcome = "</p><p>".join(html_text(text.strip()) for text in sentences if text)
-    body = page.fill("study.html", outcome=outcome, remarks=remarks, tables=tables)
-    title = str(meta.get("title", "Study"))
-    scripts = page.running(("study.js",), data)
-    return page.write_html(Path(path), page.render_page("study", title, body, scripts=scripts))
+    return tables
 
 
 def _better(metric: str) -> int:
@@ -176,17 +204,6 @@ def _by_text(table: pd.DataFrame, column: str) -> list[str]:
                 _, runs = kinds.setdefault(kind_of(text), (text, []))
                 runs.append(number)
     return [f"{_run_numbers(runs)}: {text}" for text, runs in kinds.values()]
-
-
-Cell = float | str | None
-
-
-class _Column(NamedTuple):
-    """Column of the table in a unit for people, and the factor that leads to it."""
-
-    values: list[Cell]
-    unit: str
-    factor: float
 
 
 def _columns_in_engineering_units(
