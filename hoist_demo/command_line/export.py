@@ -21,9 +21,9 @@ from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
 from fmu_src.ssp import Datum, Version
 from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
 from hoist_demo.cases.rules import with_values
-from hoist_demo.cases.table import NATIVE, find_case, fmu_name
+from hoist_demo.cases.table import BUILD, NATIVE, find_case, fmu_name
 from hoist_demo.command_line.options import settings
-from hoist_demo.command_line.support import Commands, nonempty_path, results_folder
+from hoist_demo.command_line.support import nonempty_path, results_folder
 from hoist_demo.export.system import OMITTABLE, export_hoist, export_rope
 from hoist_demo.files.reading import read
 from hoist_demo.files.registry import CONTROLLER, parameters, rope_parameters
@@ -37,25 +37,21 @@ if TYPE_CHECKING:
     from hoist_demo.control.trajectory import Trajectory
     from hoist_demo.run.ropes import OneRope
 
-BUILD = Path("build")
 #: flavour and FMI version -> end of the file name
 NAMES = {("Python", 2): "", ("native", 2): NATIVE, ("native", 3): "_native_fmi3"}
-DEFAULT_FMU = BUILD / fmu_name(DEFAULT_HOIST, NATIVE)
 
 
-def add_export(commands: Commands) -> None:
-    """Add the command."""
-    export = commands.add_parser(
-        "export",
-        help="write the rope as an FMU",
-        description="Export the balance rope as a co-simulation FMU. The Python flavour (FMI 2.0) is "
+def add_export(export: argparse.ArgumentParser) -> None:
+    """Add description and options of the command `export`."""
+    export.description = (
+        "Export the balance rope as a co-simulation FMU. The Python flavour (FMI 2.0) is "
         "the published system in plain Python, to be read and changed, and needs Python with "
         "numpy, scipy and casadi on the importing host; the native flavour (FMI 2.0 or 3.0) is the "
         "complete model in self-contained C and needs nothing. What both have has the same names, "
         "and the same C code answers the tool; parameters can still be set before initialisation. "
         "An installed wheel brings the libraries; in a checkout the first export compiles, with a "
         "C compiler or ziglang, some 10 s per platform, a second version of FMI some more; "
-        "--platform host makes it short.",
+        "--platform host makes it short."
     )
     export.add_argument("--python", action="store_true", help="the Python flavour (the default)")
     export.add_argument("--native", action="store_true", help="the native flavour")
