@@ -84,10 +84,10 @@ def unpacked(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], P
 
 @pytest.fixture
 def plain_figures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Figures whose layout is not optimised, which takes half of their time."""
-    monkeypatch.setitem(
-        import_module("hoist_demo.report.figures").STYLE, "figure.constrained_layout.use", False
-    )
+    """Figures whose layout is not optimised, nor the places of their titles: most of their time."""
+    style = import_module("hoist_demo.report.figures").STYLE
+    monkeypatch.setitem(style, "figure.constrained_layout.use", False)
+    monkeypatch.setitem(style, "axes.titley", 1.0)
 
 
 @pytest.fixture

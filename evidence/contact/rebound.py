@@ -9,6 +9,7 @@ is the same as it comes and as it goes: the rebound depends on the speed alone, 
 
 import math
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from scipy.optimize import brentq
@@ -18,7 +19,7 @@ from evidence.tables import Array
 from rope_model.parameters import Rope
 from rope_model.physics import shaft
 from rope_model.physics.contact_element import CONTACT_BALANCE, LAW
-from rope_model.physics.element import BALANCE
+from rope_model.physics.element import BALANCE, ElementFunctions
 from rope_model.physics.rope_element import rope_element
 from rope_model.reference.equations import Equations, of_elements
 from rope_model.reference.generalized_alpha import restart, step
@@ -31,8 +32,6 @@ ELEMENTS = 2
 GAP = 0.01
 RHO_INF = 1.0  # no numerical dissipation
 NEWTON = 1e-12  # m, last correction of a step
-#: the published element with a floor
-ELEMENT = rope_element("torsional", (FLOOR,))
 
 
 @dataclass(frozen=True)
@@ -42,6 +41,12 @@ class Rebound:
     speed: float  # m/s
     depth: float  # m, largest
     unexplained: float  # energy over the kinetic energy before
+
+
+@cache
+def _element() -> ElementFunctions:
+    """Return the published element with a floor, which takes most of a second to derive."""
+    return rope_element("torsional", (FLOOR,))
 
 
 def rebound(speed: float, damping: float, stiffness: float, h: float) -> Rebound:
@@ -54,12 +59,12 @@ def rebound(speed: float, damping: float, stiffness: float, h: float) -> Rebound
     flying = rod(rope, 0.0, q, held(q, OUT_OF_PLANE))
     v = np.zeros_like(q)
     v[:, 1] = -speed
-    with with_element(ELEMENT):
+    with with_element(_element()):
         return _impact(_above_floor(flying, rope, contact), q, v, h)
 
 
 def _above_floor(equations: Equations, rope: Rope, contact: Contact) -> Equations:
-    """Return the equations for ELEMENT, all elements near a floor that is GAP below them."""
+    """Return the equations for the element with a floor, all elements near a floor that is GAP below them."""
     floor = shaft.floor(Sump(level=-GAP - 0.5 * rope.diameter))
     law = {"diameter": rope.diameter} | vars(contact)
     at_rest = (0.0, 0.0, 0.0)
@@ -95,7 +100,7 @@ def _impact(equations: Equations, q: Array, v: Array, h: float) -> Rebound:
 
 def _balance(equations: Equations, q: Array, v: Array) -> dict[str, float]:
     """Return energies (J) and powers (W) of the rope, and those of contact."""
-    sums = ELEMENT.balance(
+    sums = _element().balance(
         of_elements(q),
         of_elements(v),
         equations.lengths[None, :],

@@ -8,12 +8,17 @@ from hoist_demo.cases.hoist_file import HoistFile, read_builtin
 from hoist_demo.files.reading import read
 
 NATIVE_ENDING = "_native"  #: End of the name of a native FMU of FMI 2.0.
+BUILD = Path("build")  #: Folder of exported FMUs.
 
 
 def fmu_name(hoist: str, end: str = "") -> str:
     """Return the name of the rope's FMU: the hoist's; balance_rope for the default hoist."""
     stem = "balance_rope" if hoist == DEFAULT_HOIST else Path(hoist).stem
     return f"{stem}{end}.fmu"
+
+
+#: FMU that is wound where it is there and nothing else is asked for.
+DEFAULT_FMU = BUILD / fmu_name(DEFAULT_HOIST, NATIVE_ENDING)
 
 
 def find_case(name: str) -> Case:

@@ -13,9 +13,8 @@ import numpy as np
 
 from hoist_demo.command_line.support import (
     INTERRUPTED,
-    Commands,
-    add_command,
     add_results,
+    describe,
     interruption,
     results_folder,
 )
@@ -63,10 +62,9 @@ interrupted.
 """
 
 
-def add_duty(commands: Commands) -> None:
-    """Add the subcommand `duty`."""
-    text = "wind many trips as one run, each from where the last has left the rope"
-    duty = add_command(commands, "duty", _duty, text, _DESCRIPTION, _EPILOG)
+def add_duty(duty: argparse.ArgumentParser) -> None:
+    """Add description and options of the command `duty`."""
+    describe(duty, _duty, _DESCRIPTION, _EPILOG)
     duty.add_argument(
         "schedule",
         type=Path,

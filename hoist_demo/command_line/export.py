@@ -21,9 +21,9 @@ from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
 from fmu_src.ssp import Datum, Version
 from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
 from hoist_demo.cases.rules import with_values
-from hoist_demo.cases.table import NATIVE_ENDING, find_case, fmu_name
+from hoist_demo.cases.table import BUILD, NATIVE_ENDING, find_case, fmu_name
 from hoist_demo.command_line.options import settings
-from hoist_demo.command_line.support import Commands, nonempty_path, results_folder
+from hoist_demo.command_line.support import nonempty_path, results_folder
 from hoist_demo.export.system import (
     NATIVE,
     OMITTABLE,
@@ -45,18 +45,14 @@ if TYPE_CHECKING:
     from hoist_demo.control.trajectory import Trajectory
     from hoist_demo.run.ropes import OneRope
 
-BUILD = Path("build")
 #: flavour and FMI version -> end of the file name
 NAMES = {(PYTHON, 2): "", (NATIVE, 2): NATIVE_ENDING, (NATIVE, 3): "_native_fmi3"}
-DEFAULT_FMU = BUILD / fmu_name(DEFAULT_HOIST, NATIVE_ENDING)
 
 
-def add_export(commands: Commands) -> None:
-    """Add the command."""
-    export = commands.add_parser(
-        "export",
-        help="write the rope as an FMU",
-        description="Export the balance rope as a co-simulation FMU. The native flavour (FMI 2.0 "
+def add_export(export: argparse.ArgumentParser) -> None:
+    """Add description and options of the command `export`."""
+    export.description = (
+        "Export the balance rope as a co-simulation FMU. The native flavour (FMI 2.0 "
         "or 3.0), the default, is the complete model in self-contained C and needs nothing on the "
         "importing host. The Python flavour (FMI 2.0) is the published system in plain Python, to "
         "be read and changed, and needs Python with numpy, scipy and casadi there. What both have "
@@ -64,7 +60,7 @@ def add_export(commands: Commands) -> None:
         "and the same C code answers the tool; parameters can still be set before initialisation. "
         "An installed wheel brings the libraries; in a checkout the first export compiles, with a "
         "C compiler or ziglang, some 10 s per platform, a second version of FMI some more; "
-        "--platform host makes it short.",
+        "--platform host makes it short."
     )
     _add_kinds(export)
     _add_start_values(export)

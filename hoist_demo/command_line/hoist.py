@@ -13,7 +13,7 @@ from hoist_demo.cases.new import WISHES, new_hoist
 from hoist_demo.cases.rules import with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.options import SET, settings
-from hoist_demo.command_line.support import Commands, add_command
+from hoist_demo.command_line.support import describe
 from hoist_demo.files.registry import parameters, rope_parameters
 from hoist_demo.files.rope_file import CATALOGUE_PARAMETERS
 from hoist_demo.files.values import read_value
@@ -36,9 +36,9 @@ pulls and slip safety at rest and in motion against usual bounds, the rope's sha
 lowest frequencies, the fidelity and the mesh that a run takes."""
 
 
-def add_hoist_commands(commands: Commands) -> None:
-    """Add the subcommands `new`, `show`, `check` and `rope`."""
-    new = add_command(commands, "new", _new, "write the file of your hoist", _NEW, _NEW_EXAMPLES)
+def add_new(new: argparse.ArgumentParser) -> None:
+    """Add description and options of the command `new`."""
+    describe(new, _new, _NEW, _NEW_EXAMPLES)
     new.add_argument("name", metavar="NAME", help="of the hoist, and of the file NAME.toml")
     for p in WISHES:
         text = p.help_text
@@ -54,20 +54,31 @@ def add_hoist_commands(commands: Commands) -> None:
         "--schema", action="store_true", help="also a JSON Schema beside it, for editors"
     )
     new.add_argument("--force", action="store_true", help="write over a file that is there")
-    for name, text in (
-        ("show", "print a hoist and what follows from it"),
-        ("check", "only what is wrong with it"),
-    ):
-        show = add_command(
-            commands, name, partial(_show, everything=name == "show"), text, _SHOW, ""
-        )
-        show.add_argument(
-            "hoist", metavar="HOIST", help=f"a file, or one of {', '.join(BUILTIN_HOISTS)}"
-        )
-        show.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=SET)
-    text = "the catalogue's ropes, or one as [[rope]] of a file"
-    example = "example: balance-rope rope 34x7 --diameter 52mm"
-    rope = add_command(commands, "rope", _rope, text, f"Print {text}.", example)
+
+
+def add_show(show: argparse.ArgumentParser) -> None:
+    """Add description and options of the command `show`."""
+    _add(show, everything=True)
+
+
+def add_check(check: argparse.ArgumentParser) -> None:
+    """Add description and options of the command `check`."""
+    _add(check, everything=False)
+
+
+def _add(show: argparse.ArgumentParser, *, everything: bool) -> None:
+    """Add description and options that `show` and `check` have."""
+    describe(show, partial(_show, everything=everything), _SHOW, "")
+    show.add_argument(
+        "hoist", metavar="HOIST", help=f"a file, or one of {', '.join(BUILTIN_HOISTS)}"
+    )
+    show.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=SET)
+
+
+def add_rope(rope: argparse.ArgumentParser) -> None:
+    """Add description and options of the command `rope`."""
+    text = "Print the catalogue's ropes, or one as [[rope]] of a file."
+    describe(rope, _rope, text, "example: balance-rope rope 34x7 --diameter 52mm")
     rope.add_argument(
         "construction", nargs="?", metavar="KIND", help="one of the catalogue; all without it"
     )

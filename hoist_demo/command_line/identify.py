@@ -6,7 +6,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from hoist_demo.command_line.support import Commands, add_command, add_results, results_folder
+from hoist_demo.command_line.support import add_results, describe, results_folder
 from hoist_demo.report.rows import render
 
 _DESCRIPTION = """\
@@ -26,10 +26,9 @@ interrupted, with nothing written.
 """
 
 
-def add_identify(commands: Commands) -> None:
-    """Add the subcommand `identify`."""
-    text = "find a rope's properties from measurements"
-    identify = add_command(commands, "identify", _identify, text, _DESCRIPTION, _EPILOG)
+def add_identify(identify: argparse.ArgumentParser) -> None:
+    """Add description and options of the command `identify`."""
+    describe(identify, _identify, _DESCRIPTION, _EPILOG)
     text = "what was measured, see docs/reference/files.md"
     identify.add_argument("measured", type=Path, metavar="MEASURED.toml", help=text)
     add_results(identify, "identify")

@@ -15,9 +15,8 @@ from tqdm import tqdm
 from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.support import (
-    Commands,
     RunCommand,
-    add_command,
+    describe,
     nonempty_path,
     results_folder,
 )
@@ -45,12 +44,9 @@ docs/howto/control.md.
 """
 
 
-def add_linear(commands: Commands) -> None:
-    """Add the subcommands `linearise` and `modes`."""
-    linearise = _add(
-        commands, "linearise", _linearise, "linear models for controller design", _LINEARISE
-    )
-    modes = _add(commands, "modes", _modes, "frequencies and damping along the trip", _MODES)
+def add_linearise(linearise: argparse.ArgumentParser) -> None:
+    """Add description and options of the command `linearise`."""
+    _add(linearise, "linearise", _linearise, _LINEARISE)
     text = "of the left conveyance, upwards (%(default)s)"
     linearise.add_argument("--speed", type=float, default=0.0, metavar="M/S", help=text)
     linearise.add_argument(
@@ -62,6 +58,11 @@ def add_linear(commands: Commands) -> None:
         linearise.add_argument(
             name, nargs="+", default=channels, metavar="NAME", help=f"({' '.join(channels)})"
         )
+
+
+def add_modes(modes: argparse.ArgumentParser) -> None:
+    """Add description and options of the command `modes`."""
+    _add(modes, "modes", _modes, _MODES)
     modes.add_argument(
         "--count",
         type=int,
@@ -71,11 +72,9 @@ def add_linear(commands: Commands) -> None:
     )
 
 
-def _add(
-    commands: Commands, name: str, run: RunCommand, text: str, description: str
-) -> argparse.ArgumentParser:
-    """Add a subcommand with the options that both have."""
-    command = add_command(commands, name, run, text, description, _EPILOG.format(name=name))
+def _add(command: argparse.ArgumentParser, name: str, run: RunCommand, description: str) -> None:
+    """Add description and the options that both commands have."""
+    describe(command, run, description, _EPILOG.format(name=name))
     text = f"a file, or one of {', '.join(BUILTIN_HOISTS)} (%(default)s)"
     command.add_argument("hoist", nargs="?", default=DEFAULT_HOIST, metavar="HOIST", help=text)
     text = "left height over travel (five from 0 to 1)"
@@ -92,7 +91,6 @@ def _add(
         metavar="DIR",
         help="results (%(default)s)",
     )
-    return command
 
 
 def _hoist(options: argparse.Namespace) -> Case:

@@ -5,22 +5,16 @@ from __future__ import annotations
 import argparse
 import logging
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from pkgutil import resolve_name
+from typing import NamedTuple
 
 try:  # Ctrl-C during the slow imports must not print a traceback
-    from hoist_demo.command_line.duty import add_duty
-    from hoist_demo.command_line.export import DEFAULT_FMU, add_export
-    from hoist_demo.command_line.hoist import add_hoist_commands
-    from hoist_demo.command_line.identify import add_identify
-    from hoist_demo.command_line.linear import add_linear
-    from hoist_demo.command_line.study import add_study
     from hoist_demo.command_line.support import (
         INTERRUPTED,
         outlive_readers,
         treat_hangup_as_interrupt,
     )
-    from hoist_demo.command_line.uncertain import add_uncertain
-    from hoist_demo.command_line.wind import add_wind
     from rope_model import __version__
     from rope_model.files import WriteError
 except KeyboardInterrupt:
@@ -55,34 +49,56 @@ Exit code 1 also means that a result could not be written; 2 means that nothing 
 """
 
 
+_VERBOSE = "log what the solver does"
+_LINEARISE = "linear models for controller design"
+_UNCERTAIN = "what a winding may be, with all that is not known of its rope"
+_DUTY = "wind many trips as one run, each from where the last has left the rope"
+
+
+class _Command(NamedTuple):
+    """Command of `balance-rope`, whose module is imported only when the command is asked for."""
+
+    name: str
+    describe: str  # module:function, which adds description and options to the command's parser
+    text: str
+    others: tuple[str, ...] = ()  # other names
+
+    def add_options(self, command: argparse.ArgumentParser) -> None:
+        """Add description and options, by the command's own module, and what all commands have."""
+        describe: Callable[[argparse.ArgumentParser], None] = resolve_name(
+            f"hoist_demo.command_line.{self.describe}"
+        )
+        describe(command)
+        # accept -v after the command too
+        command.add_argument(
+            "-v", "--verbose", action="store_true", default=argparse.SUPPRESS, help=_VERBOSE
+        )
+
+
+COMMANDS = (
+    _Command("new", "hoist:add_new", "write the file of your hoist"),
+    _Command("show", "hoist:add_show", "print a hoist and what follows from it"),
+    _Command("check", "hoist:add_check", "only what is wrong with it"),
+    _Command("rope", "hoist:add_rope", "the catalogue's ropes, or one as [[rope]] of a file"),
+    _Command("export", "export:add_export", "write the rope as an FMU"),
+    _Command("wind", "wind:add_wind", "wind once and write figures, CSV and a report", ("demo",)),
+    _Command("study", "study:add_study", "wind many times over chosen parameters"),
+    _Command("duty", "duty:add_duty", _DUTY),
+    _Command("identify", "identify:add_identify", "find a rope's properties from measurements"),
+    _Command("uncertain", "uncertain:add_uncertain", _UNCERTAIN),
+    _Command("linearise", "linear:add_linearise", _LINEARISE),
+    _Command("modes", "linear:add_modes", "frequencies and damping along the trip"),
+)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point; returns the exit code."""
     outlive_readers()
-    raw = argparse.RawDescriptionHelpFormatter
-    parser = argparse.ArgumentParser(
-        "balance-rope", description=DESCRIPTION, epilog=EPILOG, formatter_class=raw
-    )
-    parser.add_argument("--version", action="version", version=f"balance-rope {__version__}")
-    parser.add_argument("-v", "--verbose", action="store_true", help="log what the solver does")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    add_hoist_commands(commands)
-    add_export(commands)
-    add_wind(commands, DEFAULT_FMU)
-    add_study(commands)
-    add_duty(commands)
-    add_identify(commands)
-    add_uncertain(commands)
-    add_linear(commands)
-    # accept -v after the command too; `wind` and `demo` share one parser
-    for command in dict.fromkeys(commands.choices.values()):
-        command.add_argument(
-            "-v",
-            "--verbose",
-            action="store_true",
-            default=argparse.SUPPRESS,
-            help="log what the solver does",
-        )
-    options = parser.parse_args(arguments)
+    try:
+        options = _parsed(sys.argv[1:] if arguments is None else arguments)
+    except KeyboardInterrupt:  # in the slow imports of a command
+        print("balance-rope: interrupted", file=sys.stderr)
+        return INTERRUPTED
     treat_hangup_as_interrupt()
     if options.verbose:
         logging.basicConfig(level=logging.INFO, format="%(name)s: %(message)s")
@@ -101,3 +117,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (ValueError, RuntimeError, OSError) as error:
         print(f"balance-rope: {error}", file=sys.stderr)
         return 2
+
+
+def _parsed(arguments: Sequence[str]) -> argparse.Namespace:
+    """Return the options. Of the commands only the one that is asked for is imported."""
+    raw = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(
+        "balance-rope", description=DESCRIPTION, epilog=EPILOG, formatter_class=raw
+    )
+    parser.add_argument("--version", action="version", version=f"balance-rope {__version__}")
+    parser.add_argument("-v", "--verbose", action="store_true", help=_VERBOSE)
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    # the options before a command have no values
+    asked = next((word for word in arguments if not word.startswith("-")), "")
+    for one in COMMANDS:
+        command = commands.add_parser(one.name, help=one.text, aliases=one.others)
+        if asked in (one.name, *one.others):
+            one.add_options(command)
+    return parser.parse_args(arguments)

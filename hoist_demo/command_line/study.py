@@ -13,9 +13,8 @@ from tqdm import tqdm
 
 from hoist_demo.command_line.support import (
     INTERRUPTED,
-    Commands,
-    add_command,
     add_results,
+    describe,
     results_folder,
 )
 
@@ -40,11 +39,9 @@ file or arguments, 130 interrupted.
 """
 
 
-def add_study(commands: Commands) -> None:
-    """Add the subcommand `study`."""
-    study = add_command(
-        commands, "study", _study, "wind many times over chosen parameters", _DESCRIPTION, _EPILOG
-    )
+def add_study(study: argparse.ArgumentParser) -> None:
+    """Add description and options of the command `study`."""
+    describe(study, _study, _DESCRIPTION, _EPILOG)
     study.add_argument(
         "study", type=Path, metavar="STUDY.toml", help="what to vary, see docs/reference/files.md"
     )

@@ -10,38 +10,21 @@ import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 #: Exit code of every command that an interrupt (Ctrl-C) has stopped: 128 + SIGINT.
 INTERRUPTED = 130
-Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 RunCommand = Callable[[argparse.Namespace], int]
 
 
-def add_command(
-    commands: Commands,
-    name: str,
-    run: RunCommand,
-    text: str,
-    description: str,
-    epilog: str,
-    *others: str,
-) -> argparse.ArgumentParser:
-    """Add a subcommand, which may have other names.
-
-    Its options hold the function to run as `run`.
-    """
-    form = argparse.RawDescriptionHelpFormatter
-    parser = commands.add_parser(
-        name,
-        help=text,
-        description=description,
-        epilog=epilog,
-        formatter_class=form,
-        aliases=others,
-    )
-    parser.set_defaults(run=run)
-    return parser
+def describe(
+    command: argparse.ArgumentParser, run: RunCommand, description: str, epilog: str
+) -> None:
+    """Describe a command as it stands here, line by line; its options hold the function to run."""
+    command.formatter_class = argparse.RawDescriptionHelpFormatter
+    command.description = description
+    command.epilog = epilog
+    command.set_defaults(run=run)
 
 
 def add_results(command: argparse.ArgumentParser, name: str) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from hoist_demo.command_line.support import Commands, add_command, add_results, results_folder
+from hoist_demo.command_line.support import add_results, describe, results_folder
 from hoist_demo.report.rows import render
 
 _DESCRIPTION = """\
@@ -27,10 +27,9 @@ exit code: 0 all windings count, 1 some stopped or were left out, 2 wrong file o
 """
 
 
-def add_uncertain(commands: Commands) -> None:
-    """Add the subcommand `uncertain`."""
-    text = "what a winding may be, with all that is not known of its rope"
-    uncertain = add_command(commands, "uncertain", _uncertain, text, _DESCRIPTION, _EPILOG)
+def add_uncertain(uncertain: argparse.ArgumentParser) -> None:
+    """Add description and options of the command `uncertain`."""
+    describe(uncertain, _uncertain, _DESCRIPTION, _EPILOG)
     uncertain.add_argument(
         "scene", type=Path, metavar="SCENE.toml", help="what is wound, see docs/reference/files.md"
     )

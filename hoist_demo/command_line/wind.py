@@ -9,13 +9,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, SCENARIOS, Case
-from hoist_demo.cases.table import find_case
+from hoist_demo.cases.table import DEFAULT_FMU, find_case
 from hoist_demo.command_line.options import TRIP, add_data, add_trip, settings
 from hoist_demo.command_line.run_results import REPORT, WoundRun, missing_outputs, write_results
 from hoist_demo.command_line.support import (
     INTERRUPTED,
-    Commands,
-    add_command,
+    describe,
     interruption,
     nonempty_path,
     results_folder,
@@ -76,17 +75,15 @@ is written all the same), 2 wrong arguments, 130 interrupted (what is kept is sa
 """
 
 
-def add_wind(commands: Commands, fmu: Path) -> None:
-    """Add the subcommand `wind`; `fmu` is wound where it is there and nothing else is asked for."""
-    run = partial(_wind, default=fmu)
-    text = "wind once and write figures, CSV and a report"
-    wind = add_command(commands, "wind", run, text, _DESCRIPTION, _EPILOG, "demo")
+def add_wind(wind: argparse.ArgumentParser) -> None:
+    """Add description and options of the command `wind`."""
+    describe(wind, _wind, _DESCRIPTION, _EPILOG)
     names = f"{', '.join(BUILTIN_HOISTS)} ({DEFAULT_HOIST}, or that of --resume)"
     text = f"hoist, trip, controller, ropes: a file, or one of {names}"
     wind.add_argument("hoist", nargs="?", metavar="HOIST", help=text)
     wind.add_argument("--case", metavar="NAME", help="the same as HOIST")
     rope = wind.add_mutually_exclusive_group()
-    text = f"the rope, FMI 2.0 or 3.0 ({fmu} for {DEFAULT_HOIST}, if it is there)"
+    text = f"the rope, FMI 2.0 or 3.0 ({DEFAULT_FMU} for {DEFAULT_HOIST}, if it is there)"
     rope.add_argument("--fmu", type=Path, metavar="PATH", help=text)
     rope.add_argument(
         "--in-process", action="store_true", help="run the rope in this process, without an FMU"
@@ -136,9 +133,9 @@ class _Winding(NamedTuple):
     stopped_by_user: bool
 
 
-def _wind(options: argparse.Namespace, default: Path) -> int:
+def _wind(options: argparse.Namespace) -> int:
     resume = _choose_hoist(options)
-    trip = _trip(options, default)
+    trip = _trip(options)
     if options.check:
         print(f"{options.hoist}: nothing wrong")
         return 0
@@ -189,15 +186,15 @@ def _choose_hoist(options: argparse.Namespace) -> Checkpoint | None:
     return resume
 
 
-def _trip(options: argparse.Namespace, default: Path) -> _Trip:
-    """Return the trip of the options; `default` is the FMU of the default hoist."""
+def _trip(options: argparse.Namespace) -> _Trip:
+    """Return the trip of the options."""
     case = find_case(options.hoist)
     if case.distinct_ropes and options.fmu:
         raise ValueError(
             f"--fmu {options.fmu} is for a hoist with one [[rope]]: leave it out, several run in "
             "process"
         )
-    _choose_rope(options, default if options.hoist == DEFAULT_HOIST else None)
+    _choose_rope(options, DEFAULT_FMU if options.hoist == DEFAULT_HOIST else None)
     set_here = settings(options.set, parameters(_parameters(options)))
     if options.rope:
         identified = read(options.rope, RopeFile).values()

@@ -10,8 +10,6 @@ of the step in which that becomes due.
 import math
 from dataclasses import dataclass, replace
 
-from scipy.optimize import brentq
-
 from rope_model.parameters import Scene
 from rope_model.physics.accuracy import ACCEPT_BELOW, ErrorSums, next_step, step_error, step_limits
 from rope_model.physics.node import ANGLE
@@ -194,6 +192,8 @@ def _event_step(scene: Scene, equations: Equations, ends: Ends, old: Motion, h: 
             return min(_excess(ends, old), JUST_BEFORE)
         trial = _trial(scene, equations, old, part)
         return 1.0 if trial.motion is None else _excess(ends, trial.motion)
+
+    from scipy.optimize import brentq  # slow to load, and most runs hold no event
 
     return float(brentq(at, 0.0, h, xtol=EVENT_WIDTH))
 

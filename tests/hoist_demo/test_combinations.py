@@ -18,7 +18,6 @@ from invariants.combinations import (
 from shared import Capture, Patch
 
 SEED = os.environ.get("SEED")
-ROWS = rows(None if SEED is None else int(SEED))
 
 pytestmark = pytest.mark.usefixtures("no_figures")
 
@@ -29,8 +28,17 @@ def bench(tmp_path: Path, capsys: Capture, monkeypatch: Patch) -> Bench:
     return Bench(tmp_path, capsys, monkeypatch)
 
 
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Give all rows to the slow test; where it is left out they are not made, which takes a second."""
+    if "row" in metafunc.fixturenames:
+        found: list[dict[str, str]] = []
+        if metafunc.config.option.markexpr != "not slow":
+            found = rows(None if SEED is None else int(SEED))
+        ids = [f"{k}-{row['command']}" for k, row in enumerate(found)]
+        metafunc.parametrize("row", found, ids=ids)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("row", ROWS, ids=[f"{k}-{row['command']}" for k, row in enumerate(ROWS)])
 def test_every_pair_of_choices_is_right_or_refused(row: Mapping[str, str], bench: Bench) -> None:
     judge_row(bench, row)
 

@@ -61,6 +61,14 @@ def two_ropes(tmp_path: Path) -> LinearModel:
     return model
 
 
+@pytest.fixture
+def draft(tmp_path: Path) -> Path:
+    """A hoist with few elements, where their errors are no claim."""
+    path = tmp_path / "draft.toml"
+    path.write_text("name = 'd'\nlike = 'rope-120'\nlevel = 'draft'\n", encoding="utf-8")
+    return path
+
+
 def taken_one_by_one(monkeypatch: Patch) -> None:
     monkeypatch.setattr(linear_model, "equal_ropes", lambda *_: [])
 
@@ -329,8 +337,8 @@ def test_ropes_that_differ_in_their_names_alone_are_equal_ones(tmp_path: Path) -
 @pytest.mark.parametrize(
     ("command", "files"), [("modes", "modes.csv modes.png"), ("linearise", "plant.json plant.npz")]
 )
-def test_commands_write_their_files(command: str, files: str, tmp_path: Path) -> None:
-    assert main([command, "--at", "0.3", "--out", str(tmp_path)]) == 0
+def test_commands_write_their_files(command: str, files: str, draft: Path, tmp_path: Path) -> None:
+    assert main([command, str(draft), "--at", "0.3", "--out", str(tmp_path)]) == 0
     assert all((tmp_path / name).stat().st_size > 0 for name in files.split())
 
 
@@ -348,24 +356,23 @@ def test_commands_write_their_files(command: str, files: str, tmp_path: Path) ->
     ],
 )
 def test_a_number_that_cannot_be_is_refused(
-    asked: str, told: str, capsys: pytest.CaptureFixture[str]
+    asked: str, told: str, draft: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(asked.split()) == 2
+    command, *options = asked.split()
+    assert main([command, str(draft), *options]) == 2
     assert told in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", ["modes", "linearise"])
 def test_linear_models_have_the_level_of_the_hoist(
-    command: str, tmp_path: Path, monkeypatch: Patch
+    command: str, draft: Path, tmp_path: Path, monkeypatch: Patch
 ) -> None:
-    path = tmp_path / "draft.toml"
     seen = list[str]()
-    path.write_text("name = 'd'\nlike = 'rope-120'\nlevel = 'draft'\n", encoding="utf-8")
 
     def heard(case: Case, swivels: str, level: str) -> None:
         seen.append(level)
         raise ValueError("enough")
 
     monkeypatch.setattr(linearise_module, "_rope_specs", heard)
-    assert main([command, str(path), "--at", "0", "--out", str(tmp_path / "out")]) == 2
+    assert main([command, str(draft), "--at", "0", "--out", str(tmp_path / "out")]) == 2
     assert seen == ["draft"]

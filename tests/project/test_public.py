@@ -118,7 +118,13 @@ def test_a_host_of_one_s_own_winds_the_rope_and_compiles_nothing_but_the_native_
 
 
 @pytest.mark.parametrize(
-    ("module", "unloaded"), [("rope_model", "numpy"), ("rope_model.parameters", "casadi")]
+    ("module", "unloaded"),
+    [
+        ("rope_model", "numpy"),
+        ("rope_model.parameters", "casadi"),
+        # a command's own module comes when the command is asked for
+        ("hoist_demo.command_line.main", "numpy"),
+    ],
 )
 def test_importing_loads_no_more_than_it_needs(module: str, unloaded: str) -> None:
     code = f"import sys, {module}; sys.exit({unloaded!r} in sys.modules)"
