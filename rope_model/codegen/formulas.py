@@ -8,7 +8,6 @@ from typing import Any
 from rope_model.codegen.derivatives import path_change
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics import (
-    accuracy,
     air,
     air_element,
     centreline,
@@ -49,6 +48,8 @@ from rope_model.rules import (
     newton,
     sampling,
     statics,
+    step_control,
+    step_errors,
     stepping,
     swivel_phases,
     warning_rules,
@@ -168,23 +169,23 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "Bracket narrowed(bracket, x, value)": events.narrowed,
     "lacks_symmetry(Qs, Qk)": statics.lacks_symmetry,
     "relaxation(change, last)": statics.relaxation,
-    "StepLimits step_limits(scene, ErrorSums sums, s, end_speed, error_constant)": accuracy.step_limits,
+    "StepLimits step_limits(scene, ErrorSums sums, s, end_speed, error_constant)": step_control.step_limits,
     "ErrorSums add_errors(scene, ErrorSums sums, s, end_speed, h, constant, strain_tt[2], position, force)": (
-        accuracy.add_errors
+        step_errors.add_errors
     ),
-    "step_error(StepLimits limits, h, position_error, strain_error)": accuracy.step_error,
-    "NextStep next_step(solver, h, step_next, error, rejected, t, calm_since)": accuracy.next_step,
+    "step_error(StepLimits limits, h, position_error, strain_error)": step_control.step_error,
+    "NextStep next_step(solver, h, step_next, error, rejected, t, calm_since)": step_control.next_step,
     "max_iterations(interval, step_max)": stepping.max_iterations,
-    "substeps(interval, step_next, steps_left)": accuracy.substeps,
-    "effective_tolerance(newton_tolerance, work_max, bounded_tolerance)": accuracy.effective_tolerance,
+    "substeps(interval, step_next, steps_left)": step_control.substeps,
+    "effective_tolerance(newton_tolerance, work_max, bounded_tolerance)": newton.effective_tolerance,
     "ContactSums add_contact(scene, ContactSums sums, h, pressures[6], longest)": contact_error.add_contact,
     "contact_error(ContactSums sums)": contact_error.contact_error,
     "add_contact_end_error(error, ContactSums sums, time, force)": contact_error.add_contact_end_error,
     "add_contact_loop_error(scene, error, ContactSums sums)": contact_error.add_contact_loop_error,
-    "end_force_error(rope, ErrorSums sums)": accuracy.end_force_error,
+    "end_force_error(rope, ErrorSums sums)": step_errors.end_force_error,
     "add_misfit_error(error, ErrorSums sums, InputFilter left, InputFilter right)": input_misfit.add_misfit_error,
     "add_drift_error(error, InputFilter left, InputFilter right)": input_misfit.add_drift_error,
-    "loop_error(scene, ErrorSums sums, l, grading_length)": accuracy.loop_error,
+    "loop_error(scene, ErrorSums sums, l, grading_length)": step_errors.loop_error,
     "tension_along(sense, d[3], force[3])": swivel.tension_along,
     "friction_moment(mu, mean_diameter, seal_moment, tension)": swivel.friction_moment,
     "void end_load(q[7], f[7], torque, load[6])": audit.end_load,
@@ -216,8 +217,8 @@ DEFINED_HERE: tuple[type[Any], ...] = (
         events.Bracket,
         mesh_fit.FittedMesh,
         generalized_alpha.Coefficients,
-        accuracy.StepLimits,
-        accuracy.NextStep,
+        step_control.StepLimits,
+        step_control.NextStep,
     ),
 )
 #: structures that a formula may take or return
@@ -227,7 +228,7 @@ STRUCTURES: dict[str, type[Any]] = {
         *(Rope, Layout, Scene, Solver, *PARTS.values(), EndMotion),
         *(
             EnergyBalance,
-            accuracy.ErrorSums,
+            step_errors.ErrorSums,
             contact_error.ContactSums,
             Audit,
             guard.GuardState,
@@ -238,7 +239,8 @@ STRUCTURES: dict[str, type[Any]] = {
 } | {"Path": EndPath}
 #: constants of formulas and control flow: prefix of their names in C, module, names
 _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
-    ("", accuracy, "ACCEPT_BELOW STEP_ITERATIONS BOUNDED_STEP_ERROR BOUNDED_MESH_ERROR"),
+    ("", step_control, "ACCEPT_BELOW"),
+    ("", newton, "STEP_ITERATIONS BOUNDED_STEP_ERROR BOUNDED_MESH_ERROR"),
     ("", stepping, "RELAXATION_TIME"),
     ("", contact, "CONTACT_MARGIN OWN_LENGTH"),
     ("", curved_element, "CURVATURE_SIZE"),

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from scipy.optimize import brentq
 
 from rope_model.parameters import Scene
-from rope_model.physics.accuracy import ACCEPT_BELOW, ErrorSums, next_step, step_error, step_limits
 from rope_model.physics.node import ANGLE
 from rope_model.reference.ends import END_NODE, SIDES
 from rope_model.reference.energies import after_step
@@ -31,6 +30,8 @@ from rope_model.reference.outputs import nearest_turn, yaw_of
 from rope_model.reference.state import Event, State
 from rope_model.reference.swivel import STRETCH, Ends, slip, stick
 from rope_model.reference.transformation import with_mesh_for
+from rope_model.rules.step_control import ACCEPT_BELOW, next_step, step_error, step_limits
+from rope_model.rules.step_errors import ErrorSums
 from rope_model.rules.swivel_phases import (
     CHATTER_EVENTS,
     CHATTER_TIME,

@@ -13,8 +13,8 @@ from functools import reduce
 from typing import Any
 
 from rope_model.parameters import Rope
-from rope_model.physics.accuracy import TINY, ErrorSums, wave_duration
 from rope_model.physics.elementary import (
+    TINY,
     Scalar,
     Vector,
     cos,
@@ -35,6 +35,7 @@ from rope_model.rules.input_filter import (
     end_misfits,
     sample_misfit,
 )
+from rope_model.rules.step_errors import ErrorSums, wave_duration
 
 #: fraction of a leg's mass that swings in its slowest axial wave
 SWINGING = 8.0 / math.pi**2

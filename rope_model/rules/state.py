@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rope_model.arrays import Array
-from rope_model.physics.accuracy import ErrorSums
 from rope_model.physics.contact_error import ContactSums
 from rope_model.physics.element import POINTS
 from rope_model.physics.energy_balance import EnergyBalance
@@ -25,6 +24,7 @@ from rope_model.rules.fidelity import Fidelity
 from rope_model.rules.generalized_alpha import Motion
 from rope_model.rules.input_filter import InputFilter
 from rope_model.rules.partition import Partition
+from rope_model.rules.step_errors import ErrorSums
 from rope_model.rules.swivel_phases import Phase, SwivelState
 from rope_model.shaft_parameters import FAR
 

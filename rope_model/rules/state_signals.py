@@ -3,9 +3,8 @@
 from types import SimpleNamespace
 from typing import Any
 
-from rope_model.physics.accuracy import TINY
 from rope_model.physics.contact_error import ContactSums
-from rope_model.physics.elementary import Scalar, less, maximum, sqrt
+from rope_model.physics.elementary import TINY, Scalar, less, maximum, sqrt
 from rope_model.physics.energy_balance import EnergyBalance, residual, total
 from rope_model.physics.guard import GuardState
 from rope_model.physics.shaft import KINDS
