@@ -1,9 +1,11 @@
-"""Functions of the element, evaluated for all elements of a mesh at once.
+"""Functions of the element, evaluated for many elements at once.
 
-Arrays have their entries first: (entries, elements).
+CasADi takes the operations of a function one after the other.  Most of the time is spent on finding
+the next operation, so each is done for GROUP elements.  Arrays have their entries first: (entries,
+elements).
 """
 
-from functools import lru_cache
+from functools import cache
 from threading import Lock
 
 import casadi as ca
@@ -11,44 +13,77 @@ import numpy as np
 
 from rope_model.arrays import Array
 
-#: functions of meshes that are kept: those of some ropes, each with seven functions
-KEPT_FUNCTIONS = 64
+GROUP = 64  #: elements of which an operation takes little longer than of one
 
 
-class MappedFunction:
+class ElementsFunction:
     """Function of one element as a function of arrays of elements.
 
-    CasADi reads and writes arrays that are allocated once: a call converts nothing.  Results are
-    copies.  Ropes in several threads may share it.
+    It reads and writes arrays that are allocated once.  Results are copies, and threads take turns.
     """
 
-    def __init__(self, function: ca.Function, elements: int) -> None:
-        mapped = function.map(elements)
-        # CasADi has columns one after the other
-        self._arguments = [
-            np.zeros((elements, function.numel_in(k))).T for k in range(mapped.n_in())
-        ]
-        self._results = [
-            np.zeros((elements, function.numel_out(k))).T for k in range(mapped.n_out())
-        ]
-        self._buffer, self._evaluate = mapped.buffer()  # the buffer must outlive its function
+    def __init__(self, function: ca.Function) -> None:
+        of_group = _of_group(function.expand())
+        self._arguments = [np.zeros(of_group.size_in(k)[::-1]) for k in range(of_group.n_in())]
+        self._results = [np.zeros(of_group.size_out(k)[::-1]) for k in range(of_group.n_out())]
+        self._buffer, self._evaluate = of_group.buffer()
         for k, argument in enumerate(self._arguments):
-            self._buffer.set_arg(k, memoryview(argument.T))
+            self._buffer.set_arg(k, memoryview(argument))
         for k, result in enumerate(self._results):
-            assert function.sparsity_out(k).is_dense()
-            self._buffer.set_res(k, memoryview(result.T))
+            self._buffer.set_res(k, memoryview(result))
         self._lock = Lock()
 
-    def __call__(self, *arguments: Array | float) -> tuple[Array, ...]:
-        """Return the results, each (entries, elements); an argument has that shape, or is broadcast to it."""
+    def __call__(self, elements: int, *arguments: Array | float) -> tuple[Array, ...]:
+        """Return the results, each (entries, elements).
+
+        Arguments are (entries, elements), or (entries, 1) and numbers for what is the same in all.
+        """
+        results = tuple(np.empty((len(place), elements)) for place in self._results)
         with self._lock:
-            for place, argument in zip(self._arguments, arguments, strict=True):
-                place[:] = argument
-            self._evaluate()
-            return tuple(result.copy(order="K") for result in self._results)
+            for start in range(0, elements, GROUP):
+                part = slice(start, start + GROUP)
+                size = min(GROUP, elements - start)  # what is behind it is computed for nothing
+                for place, argument in zip(self._arguments, arguments, strict=True):
+                    varies = isinstance(argument, np.ndarray) and argument.shape[1] > 1
+                    place[:, :size] = argument[:, part] if varies else argument
+                self._evaluate()
+                for place, result in zip(self._results, results, strict=True):
+                    result[:, part] = place[:, :size]
+        return results
 
 
-@lru_cache(KEPT_FUNCTIONS)
-def mapped(function: ca.Function, elements: int) -> MappedFunction:
-    """Return the ``function`` of one element for a number of ``elements``."""
-    return MappedFunction(function, elements)
+@cache
+def over_elements(function: ca.Function) -> ElementsFunction:
+    """Return the ``function`` of one element as a function of arrays of elements."""
+    return ElementsFunction(function)
+
+
+def _of_group(function: ca.Function) -> ca.Function:
+    """Return the function of GROUP elements, whose arguments and results are (GROUP, entries).
+
+    It has the operations of ``function``, with vectors in the place of numbers.
+    """
+    arguments = [ca.MX.sym(f"x{k}", GROUP, function.numel_in(k)) for k in range(function.n_in())]
+    entries = [ca.horzsplit(argument) for argument in arguments]
+    places = [function.sparsity_out(k).find() for k in range(function.n_out())]
+    results = [[ca.MX(GROUP, 1)] * function.numel_out(k) for k in range(function.n_out())]
+    work = [ca.MX()] * function.sz_w()
+    for k in range(function.n_instructions()):
+        operation = function.instruction_id(k)
+        read = function.instruction_input(k)
+        written = function.instruction_output(k)
+        if operation == ca.OP_OUTPUT:
+            result, entry = written
+            results[result][places[result][entry]] = work[read[0]]
+        elif operation == ca.OP_INPUT:
+            argument, entry = read
+            work[written[0]] = entries[argument][entry]
+        elif operation == ca.OP_CONST:
+            work[written[0]] = ca.MX(np.full(GROUP, function.instruction_constant(k)))
+        elif len(read) == 1:
+            work[written[0]] = ca.MX.unary(operation, work[read[0]])
+        else:
+            work[written[0]] = ca.MX.binary(operation, *(work[place] for place in read))
+    return ca.Function(
+        function.name(), arguments, [ca.densify(ca.horzcat(*columns)) for columns in results]
+    )

@@ -26,7 +26,7 @@ from rope_model.parameters import Rope
 from rope_model.physics import element
 from rope_model.physics.element import BALANCE, NODE_DOF, parameters
 from rope_model.physics.node import ANGLE, SLOPE
-from rope_model.reference.elements import MappedFunction, mapped
+from rope_model.reference.elements import over_elements
 
 Mask = NDArray[np.bool_]
 
@@ -91,8 +91,11 @@ class Equations:
 
     def residual(self, q: Array, v: Array, a: Array) -> Array:
         """Return R (nodes, 7), N and N m."""
-        residual = self._mapped(element.element_functions().residual)
-        (forces,) = residual(*self._of_elements(q, v, a), self.material[:, None])
+        (forces,) = self._values(
+            element.element_functions().residual,
+            *self._of_elements(q, v, a),
+            self.material[:, None],
+        )
         return self._assembled(forces, a)
 
     def linearised(
@@ -102,9 +105,12 @@ class Equations:
 
         Tensions in J are those of the axial strains of the rope ``prestress`` (nodes, 7).
         """
-        tangent = self._mapped(element.element_functions().tangent)
-        forces, J = tangent(
-            *self._of_elements(q, v, a), self.material[:, None], *c, of_elements(prestress)
+        forces, J = self._values(
+            element.element_functions().tangent,
+            *self._of_elements(q, v, a),
+            self.material[:, None],
+            *c,
+            of_elements(prestress),
         )
         R = self._assembled(forces, a)
         band = assembled_band(J)
@@ -114,13 +120,13 @@ class Equations:
         lu, pivots, _ = dgbtrf(band, BAND, BAND, overwrite_ab=True)
         return R, Factors(lu, pivots)
 
-    def _mapped(self, function: ca.Function) -> MappedFunction:
-        """Return the ``function`` of an element for all elements."""
-        return mapped(function, self.lengths.size)
+    def _values(self, function: ca.Function, *arguments: Array | float) -> tuple[Array, ...]:
+        """Return the results of a ``function`` of an element for all elements."""
+        return over_elements(function)(self.lengths.size, *arguments)
 
     def _of_elements(self, q: Array, v: Array, a: Array) -> tuple[Array, ...]:
         """Return the first arguments of the element's functions."""
-        return of_elements(q), of_elements(v), of_elements(a), self.lengths, self.frame
+        return of_elements(q), of_elements(v), of_elements(a), self.lengths[None, :], self.frame
 
     def _assembled(self, forces: Array, a: Array) -> Array:
         """Return the residual of the nodes from those of the elements (14, elements)."""
@@ -158,8 +164,8 @@ class Equations:
         twist of each element adds up (docs/theory/element.md, eq-frame).
         """
         gained = np.zeros((3, len(q)))
-        transport = self._mapped(element.element_functions().transport)
-        (gained[:, 1:],) = transport(*self._of_elements(q, v, a))
+        transport = element.element_functions().transport
+        (gained[:, 1:],) = self._values(transport, *self._of_elements(q, v, a))
         gained[0] = gained[0].cumsum()
         return gained
 
@@ -167,17 +173,23 @@ class Equations:
 
     def balance(self, q: Array, v: Array) -> dict[str, float]:
         """Return energies (J) and powers (W) of the whole rope by the names of element.BALANCE."""
-        balance = self._mapped(element.element_functions().balance)
-        parts = of_elements(q), of_elements(v), self.lengths, self.frame
-        (values,) = balance(*parts, self.material[:, None])
+        (values,) = self._values(
+            element.element_functions().balance,
+            of_elements(q),
+            of_elements(v),
+            self.lengths[None, :],
+            self.frame,
+            self.material[:, None],
+        )
         sum_by_name = dict(zip(BALANCE, values.sum(axis=1).tolist(), strict=True))
         sum_by_name["kinetic"] += 0.5 * float(np.sum(self.inertia * v * v))
         return sum_by_name
 
     def strains(self, q: Array, v: Array) -> Array:
         """Return the strains of the elements (5, elements): element.STRAINS."""
-        strains = self._mapped(element.element_functions().strains)
-        (values,) = strains(of_elements(q), of_elements(v), self.lengths, self.frame)
+        strains = element.element_functions().strains
+        parts = of_elements(q), of_elements(v), self.lengths[None, :], self.frame
+        (values,) = self._values(strains, *parts)
         return values
 
     def size(self, x: Array) -> float:
@@ -203,8 +215,8 @@ def of_elements(x: Array) -> Array:
 
 def frame_at(q: Array, lengths: Array) -> Array:
     """Return the reference (21, elements) of sections whose frame is that of the rope ``q``."""
-    reference = mapped(element.element_functions().reference, lengths.size)
-    (frame,) = reference(of_elements(q), lengths)
+    reference = over_elements(element.element_functions().reference)
+    (frame,) = reference(lengths.size, of_elements(q), lengths[None, :])
     return frame
 
 

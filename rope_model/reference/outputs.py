@@ -16,7 +16,7 @@ from rope_model.parameters import Scene
 from rope_model.physics.centreline import sample_s
 from rope_model.physics.estimates import loop_width
 from rope_model.physics.frame import conveyance_load
-from rope_model.physics.hermite import bend, interpolate
+from rope_model.physics.hermite import interpolate
 from rope_model.physics.node import POSITION, SLOPE
 from rope_model.physics.stress import material_values
 from rope_model.reference.ends import END_NODE, SIDES
@@ -62,12 +62,9 @@ def lowest_point(q: Array, s: Array) -> LowestPoint:
     for left in (node - 1, node):
         l = s[left + 1] - s[left]
         y = (q[left, 1], q[left, 4], q[left + 1, 1], q[left + 1, 4])
-        # r'_Y is a parabola with these values at 0, 1/2 and 1
-        at = [interpolate(xi, l, *y)[1] for xi in (0.0, 0.5, 1.0)]
-        parabola = (2 * at[0] - 4 * at[1] + 2 * at[2], -3 * at[0] + 4 * at[1] - at[2], at[0])
-        roots = np.roots(parabola)
-        inside = roots[np.isreal(roots) & (roots.real > 0) & (roots.real < 1)].real
-        candidates += [s[left] + xi * l for xi in inside if bend(xi, l, *y) > 0]
+        xi = _lowest_in(l, *y)
+        if xi is not None:
+            candidates.append(s[left] + xi * l)
     points = interpolated(q, s, np.array(candidates))
     lowest = int(np.argmin(points[:, HEIGHT]))
     at_s = candidates[lowest]
@@ -78,6 +75,26 @@ def lowest_point(q: Array, s: Array) -> LowestPoint:
     b = q[element + 1]
     slope = [interpolate(xi, l, a[k], a[3 + k], b[k], b[3 + k])[1] for k in range(3)]
     return LowestPoint(float(at_s), points[lowest], math.atan2(-slope[2], slope[0]))
+
+
+def _lowest_in(l: float, r1: float, s1: float, r2: float, s2: float) -> float | None:
+    """Return the place (0 to 1) inside of an element where the height is smallest, if there is one.
+
+    r and s are the heights of its nodes and their slopes.  The slope is a parabola in the place.
+    """
+    at = [interpolate(xi, l, r1, s1, r2, s2)[1] for xi in (0.0, 0.5, 1.0)]
+    a = 2 * at[0] - 4 * at[1] + 2 * at[2]
+    b = -3 * at[0] + 4 * at[1] - at[2]
+    c = at[0]
+    discriminant = b * b - 4 * a * c
+    if discriminant <= 0 or max(a, b) <= 0:
+        return None
+    rise = math.sqrt(discriminant)  # of the slope, at the root where it becomes positive
+    if b > 0:
+        xi = -2 * c / (b + rise)
+    else:
+        xi = (rise - b) / (2 * a)
+    return xi if 0 < xi < 1 else None
 
 
 def yaw_of(q: Array) -> float:
