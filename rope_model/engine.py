@@ -12,23 +12,23 @@ from typing import Any, NamedTuple, cast, get_args, get_origin, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
+from rope_model.boundary.end_paths import SIDES, EndMotion
+from rope_model.boundary.point_forces import NO_FORCES, PointForces
 from rope_model.codegen import state_structures as layout
 from rope_model.codegen.build import failed, library
 from rope_model.codegen.structures import scene_structure
+from rope_model.fidelity.choice import Fidelity
 from rope_model.interface import BalanceRope, Snapshot, Status, state_in
 from rope_model.messages import messages
+from rope_model.method.generalized_alpha import Motion
+from rope_model.method.partition import Partition
+from rope_model.method.swivel_phases import Phase
 from rope_model.parameters import Scene
 from rope_model.physics.element import NODE_DOF
-from rope_model.rules.end_paths import SIDES, EndMotion
-from rope_model.rules.fidelity import Fidelity
-from rope_model.rules.generalized_alpha import Motion
-from rope_model.rules.partition import Partition
-from rope_model.rules.point_forces import NO_FORCES, PointForces
-from rope_model.rules.result_warnings import WARNINGS
-from rope_model.rules.signal_table import SIGNALS, checked_names
-from rope_model.rules.state import NO_HYSTERESIS, Event, Powers, RopeState
-from rope_model.rules.swivel_phases import Phase
+from rope_model.signals.signal_table import SIGNALS, checked_names
 from rope_model.solver_parameters import FidelityChoice
+from rope_model.state import NO_HYSTERESIS, Event, Powers, RopeState
+from rope_model.warnings.result_warnings import WARNINGS
 
 _MOTIONS = struct.Struct(f"{2 * len(EndMotion.__dataclass_fields__)}d")
 _SWITCHES = ("sticks", "slips +", "slips -")

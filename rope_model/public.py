@@ -4,19 +4,16 @@ import logging
 from typing import Literal, get_args
 
 from rope_model.analysis.neighbours import Account, Contacts, Neighbours
+from rope_model.boundary.bodies import BODIES
+from rope_model.boundary.end_paths import EndMotion
+from rope_model.boundary.point_forces import PointForces
 from rope_model.cases import ROPE_CASES, Level, RopeCase, at_level, rope_120, rope_240
 from rope_model.catalogue import BEARINGS, CONSTRUCTIONS, Datum, DatumStatus, KnownRope, rope
 from rope_model.engine import NativeRope
+from rope_model.fidelity.choice import FIDELITIES
+from rope_model.fidelity.neglected_effects import Effect, neglected_effects, neglected_text
 from rope_model.interface import BalanceRope, Snapshot, Status
 from rope_model.parameters import CHOICES, Layout, Rope, Scene, Swivel
-from rope_model.rules.bodies import BODIES
-from rope_model.rules.end_paths import EndMotion
-from rope_model.rules.fidelity import FIDELITIES
-from rope_model.rules.neglected_effects import Effect, neglected_effects, neglected_text
-from rope_model.rules.point_forces import PointForces
-from rope_model.rules.signal_table import CAUSES as GUARD_CAUSES
-from rope_model.rules.signal_table import SIGNALS, Signal
-from rope_model.rules.state import RopeState
 from rope_model.shaft_parameters import (
     FAR,
     Air,
@@ -29,7 +26,10 @@ from rope_model.shaft_parameters import (
     Shaft,
     Sump,
 )
+from rope_model.signals.signal_table import CAUSES as GUARD_CAUSES
+from rope_model.signals.signal_table import SIGNALS, Signal
 from rope_model.solver_parameters import Accuracy, Inputs, Mesh, Model, Solver, Stations
+from rope_model.state import RopeState
 
 __all__ = [
     "BEARINGS",

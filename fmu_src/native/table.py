@@ -6,10 +6,10 @@ from dataclasses import fields
 
 from fmu_src.interface import RATES, Variable
 from fmu_src.profile import arrays, scalars
-from rope_model.rules.end_paths import EndMotion
-from rope_model.rules.signal_table import LOADS, SIGNALS
+from rope_model.boundary.end_paths import EndMotion
 from rope_model.scene_names import Value, choices_of
 from rope_model.shaft_parameters import PARTS
+from rope_model.signals.signal_table import LOADS, SIGNALS
 from rope_model.texts import c_string
 
 _SOURCES = {"status.valid": "FROM_STATUS_VALID", "status.message": "FROM_STATUS_MESSAGE"}

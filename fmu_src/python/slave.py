@@ -23,15 +23,15 @@ from fmu_src.interface import MOTION, case_with, variables
 from fmu_src.model_description import MODEL, Build, model_description
 from fmu_src.profile import Profile
 from fmu_src.python.flavour import PYTHON_DESCRIPTION, of_python, require_for_python
+from rope_model.boundary.end_paths import EndMotion
 from rope_model.interface import Status
 from rope_model.messages.warning_messages import extrapolated_too_far
 from rope_model.parameters import Scene
 from rope_model.reference.outputs import group_of
 from rope_model.reference.rope import ReferenceRope
 from rope_model.reference.state import State
-from rope_model.rules.end_paths import EndMotion
-from rope_model.rules.warning_rules import MAX_EXTRAPOLATION
 from rope_model.scene_names import Value, with_values
+from rope_model.warnings.warning_rules import MAX_EXTRAPOLATION
 
 log = logging.getLogger(__name__)
 

@@ -5,7 +5,25 @@ from itertools import accumulate
 from types import ModuleType
 from typing import Any
 
+from rope_model.boundary import bodies, end_conditions, end_paths, input_filter, input_misfit
+from rope_model.boundary.end_paths import EndMotion, EndPath
+from rope_model.boundary.input_filter import InputFilter, filter_sample
 from rope_model.codegen.derivatives import path_change
+from rope_model.method import (
+    audit,
+    events,
+    generalized_alpha,
+    mesh_fit,
+    mesh_pattern,
+    newton,
+    sampling,
+    statics,
+    step_control,
+    step_errors,
+    stepping,
+    swivel_phases,
+)
+from rope_model.method.audit import Audit
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics import (
     air,
@@ -34,31 +52,9 @@ from rope_model.physics import (
     wire_friction,
 )
 from rope_model.physics.energy_balance import EnergyBalance
-from rope_model.rules import (
-    audit,
-    bodies,
-    end_conditions,
-    end_paths,
-    events,
-    generalized_alpha,
-    input_filter,
-    input_misfit,
-    mesh_fit,
-    mesh_pattern,
-    newton,
-    sampling,
-    statics,
-    step_control,
-    step_errors,
-    stepping,
-    swivel_phases,
-    warning_rules,
-)
-from rope_model.rules.audit import Audit
-from rope_model.rules.end_paths import EndMotion, EndPath
-from rope_model.rules.input_filter import InputFilter, filter_sample
 from rope_model.shaft_parameters import FAR, PARTS
 from rope_model.solver_parameters import Solver
+from rope_model.warnings import warning_rules
 
 AIR_NUMBERS = air_element.COEFFICIENTS_SIZE
 #: C function -> formula.  An untyped parameter is a number, an array of numbers, or the structure

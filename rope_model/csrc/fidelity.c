@@ -1,4 +1,4 @@
-/* Choice of the model's fidelity. Formulas and tables: rope_model/rules/fidelity.py. */
+/* Choice of the model's fidelity. Formulas and tables: rope_model/fidelity/choice.py. */
 
 #include "fidelity.h"
 

@@ -70,7 +70,7 @@ const char *rope_fidelity_reason(const Simulator *sim);
 enum { ROPE_WARNINGS = 13, ROPE_EXTRAPOLATION = ROPE_WARNINGS };
 void rope_warning(Simulator *sim, int index, char *message);
 
-/* Write the values of outputs, by their numbers in rope_model.rules.signal_table.SIGNALS.  Booleans and
+/* Write the values of outputs, by their numbers in rope_model.signals.signal_table.SIGNALS.  Booleans and
    integers are exact.  A value is computed at the first call after a change of state. */
 void rope_signals(Simulator *sim, size_t count, const int *signals, double *values);
 

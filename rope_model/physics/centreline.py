@@ -24,7 +24,7 @@ from rope_model.physics.hermite import interpolate
 
 
 class SuspensionPoint(Protocol):
-    """Position (m) of a suspension point from its nominal point, as rules.end_paths.EndMotion has it."""
+    """Position (m) of a suspension point from its nominal point, as boundary.end_paths.EndMotion has it."""
 
     @property
     def x(self) -> Scalar: ...

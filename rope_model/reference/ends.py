@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rope_model.arrays import Array
-from rope_model.rules.end_paths import MOTION_BOUNDS, EndMotion
+from rope_model.boundary.end_paths import MOTION_BOUNDS, EndMotion
 
 SIDES = ("left", "right")
 END_NODE = (0, -1)  #: row of each end in arrays of nodes

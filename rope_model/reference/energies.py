@@ -8,12 +8,12 @@ E_mesh the change by transformations. Numerical damping makes the residual negat
 
 from dataclasses import dataclass, replace
 
+from rope_model.method.swivel_phases import Phase
 from rope_model.physics.node import POSITION
 from rope_model.reference.ends import END_NODE, SENSE
 from rope_model.reference.equations import Equations
 from rope_model.reference.generalized_alpha import Motion
 from rope_model.reference.swivel import Ends
-from rope_model.rules.swivel_phases import Phase
 
 
 @dataclass(frozen=True)

@@ -210,7 +210,7 @@ def at_rest(q: Array) -> Callable[[float], Array]:
 
 def of_elements(x: Array) -> Array:
     """Return the values (14, elements) of both nodes of each element."""
-    return np.hstack((x[:-1], x[1:])).T
+    return np.concatenate((x[:-1], x[1:]), axis=1).T
 
 
 def frame_at(q: Array, lengths: Array) -> Array:

@@ -13,6 +13,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rope_model.arrays import Array
+from rope_model.method.swivel_phases import (
+    Phase,
+    SwivelState,
+    beyond_rest,
+    relaxes,
+    swivel_friction,
+)
 from rope_model.parameters import Scene
 from rope_model.physics.centreline import line_yaw
 from rope_model.physics.node import ANGLE, POSITION
@@ -25,7 +32,6 @@ from rope_model.reference.outputs import nearest_turn, yaw_of
 from rope_model.reference.state import State
 from rope_model.reference.statics import StaticsError, find_equilibrium, hanging_guess
 from rope_model.reference.swivel import Ends, slip
-from rope_model.rules.swivel_phases import Phase, SwivelState, beyond_rest, relaxes, swivel_friction
 
 TWIST_STEP = 1.0  #: rad, largest increment of twist
 SHORTEST_TWIST_STEP = 0.01  #: rad

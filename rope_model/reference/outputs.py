@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rope_model.arrays import Array
+from rope_model.method.swivel_phases import Phase
 from rope_model.parameters import Scene
 from rope_model.physics.centreline import sample_s
 from rope_model.physics.estimates import loop_width
@@ -23,8 +24,7 @@ from rope_model.reference.ends import END_NODE, SIDES
 from rope_model.reference.equations import HEIGHT
 from rope_model.reference.state import State
 from rope_model.reference.transfer import elements_at, interpolated
-from rope_model.rules.signal_table import SHAPE_POINTS, SIGNALS
-from rope_model.rules.swivel_phases import Phase
+from rope_model.signals.signal_table import SHAPE_POINTS, SIGNALS
 
 AXES = ("x", "y", "z")
 #: outputs of ``Energies``

@@ -11,6 +11,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from rope_model.boundary.end_paths import RESTS_BELOW, EndMotion
+from rope_model.boundary.point_forces import PointForces
+from rope_model.fidelity.choice import Fidelity
 from rope_model.interface import BalanceRope, Snapshot, Status
 from rope_model.parameters import Scene
 from rope_model.reference.ends import (
@@ -29,11 +32,8 @@ from rope_model.reference.scope import require_published
 from rope_model.reference.state import State
 from rope_model.reference.statics import StaticsError
 from rope_model.reference.stepping import step_towards
-from rope_model.rules.end_paths import RESTS_BELOW, EndMotion
-from rope_model.rules.fidelity import Fidelity
-from rope_model.rules.point_forces import PointForces
-from rope_model.rules.signal_table import checked_names
-from rope_model.rules.state import RopeState
+from rope_model.signals.signal_table import checked_names
+from rope_model.state import RopeState
 
 SHORTEST_ADVANCE = 1e-9  #: s, a shorter one succeeds without a step
 MAX_STEPS = 20_000  #: accepted steps of an advance

@@ -13,6 +13,7 @@ from typing import NamedTuple, TypeAlias, get_args, get_origin, get_type_hints
 import numpy as np
 
 from rope_model.arrays import Array
+from rope_model.method.swivel_phases import SwivelState
 from rope_model.parameters import Scene
 from rope_model.physics.node import ANGLE
 from rope_model.reference.ends import EndPath
@@ -21,7 +22,6 @@ from rope_model.reference.equations import Equations
 from rope_model.reference.generalized_alpha import Motion
 from rope_model.reference.mesh import Mesh
 from rope_model.reference.swivel import Ends
-from rope_model.rules.swivel_phases import SwivelState
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,17 @@ from dataclasses import dataclass, replace
 
 from scipy.optimize import brentq
 
+from rope_model.method.step_control import ACCEPT_BELOW, next_step, step_error, step_limits
+from rope_model.method.step_errors import ErrorSums
+from rope_model.method.swivel_phases import (
+    CHATTER_EVENTS,
+    CHATTER_TIME,
+    EVENT_WIDTH,
+    Phase,
+    SwivelState,
+    frictionless,
+    released_at,
+)
 from rope_model.parameters import Scene
 from rope_model.physics.node import ANGLE
 from rope_model.reference.ends import END_NODE, SIDES
@@ -30,17 +41,6 @@ from rope_model.reference.outputs import nearest_turn, yaw_of
 from rope_model.reference.state import Event, State
 from rope_model.reference.swivel import STRETCH, Ends, slip, stick
 from rope_model.reference.transformation import with_mesh_for
-from rope_model.rules.step_control import ACCEPT_BELOW, next_step, step_error, step_limits
-from rope_model.rules.step_errors import ErrorSums
-from rope_model.rules.swivel_phases import (
-    CHATTER_EVENTS,
-    CHATTER_TIME,
-    EVENT_WIDTH,
-    Phase,
-    SwivelState,
-    frictionless,
-    released_at,
-)
 
 JUST_BEFORE = -1e-12  #: event function of a slip that has just begun: it has no rate yet
 ROUNDING = 1e-9  #: steps: a rest of the interval below it needs no step of its own

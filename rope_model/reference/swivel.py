@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rope_model.arrays import Array
+from rope_model.method.swivel_phases import Phase, SwivelState, moment_of_swivel, swivel_excess
 from rope_model.parameters import Scene, Swivel
 from rope_model.physics.element import parameters
 from rope_model.physics.node import ANGLE, POSITION
@@ -29,7 +30,6 @@ from rope_model.reference.ends import END_NODE, SENSE, EndPath
 from rope_model.reference.equations import HEIGHT, Equations, frame_at
 from rope_model.reference.generalized_alpha import Motion
 from rope_model.reference.mesh import Mesh
-from rope_model.rules.swivel_phases import Phase, SwivelState, moment_of_swivel, swivel_excess
 
 STRETCH = 4  #: column of the stretch of a plumb end, r'_Y
 

@@ -14,13 +14,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from rope_model.method.stepping import RELAXATION_TIME
 from rope_model.parameters import Scene
 from rope_model.reference.energies import with_energies
 from rope_model.reference.mesh import transformed
 from rope_model.reference.newton import Cause, Failure, Guess, solve
 from rope_model.reference.state import Event, State
 from rope_model.reference.transfer import transferred
-from rope_model.rules.stepping import RELAXATION_TIME
 
 FIELDS = ("q", "v", "a", "b", "a_rate")
 

@@ -31,11 +31,11 @@ from rope_model import (
 )
 from rope_model.compiler import find_compiler
 from rope_model.engine import NativeRope
+from rope_model.method import step_errors
+from rope_model.method.generalized_alpha import Coefficients, local_error
+from rope_model.method.mesh_error import length_for, locking_error, turned_by_mesh
+from rope_model.method.step_control import step_limits
 from rope_model.physics.estimates import axial_frequency
-from rope_model.rules import step_errors
-from rope_model.rules.generalized_alpha import Coefficients, local_error
-from rope_model.rules.mesh_error import length_for, locking_error, turned_by_mesh
-from rope_model.rules.step_control import step_limits
 
 ROPE = Rope(length=400.0, beta_K=0.0)
 CONSTANT = float(local_error(Coefficients(0.6), 1.0, 1.0))

@@ -13,9 +13,9 @@ from numpy.testing import assert_allclose
 from scenes import CHOICES, Choice, wound
 
 from rope_model import BalanceRope, Model, Rope, Scene, Swivel, balance_rope
-from rope_model.rules.end_paths import EndMotion, EndPath
-from rope_model.rules.fidelity import FIDELITIES, choose_fidelity, lowest_sufficient
-from rope_model.rules.fidelity_rules import expected_travel, force_error
+from rope_model.boundary.end_paths import EndMotion, EndPath
+from rope_model.fidelity.choice import FIDELITIES, choose_fidelity, lowest_sufficient
+from rope_model.fidelity.fidelity_rules import expected_travel, force_error
 
 H = 0.01
 FREE = Swivel(mode="free")

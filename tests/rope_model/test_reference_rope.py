@@ -43,8 +43,8 @@ from rope_model.reference.outputs import NAMES
 from rope_model.reference.rope import ReferenceRope
 from rope_model.reference.scope import NO_BODIES, PUBLISHED
 from rope_model.reference.transfer import transferred
-from rope_model.rules.signal_table import SIGNALS
 from rope_model.scene_names import named_parameters
+from rope_model.signals.signal_table import SIGNALS
 
 GRAVITY = 9.81
 #: m, a step of the host in the scenes below

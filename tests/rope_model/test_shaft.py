@@ -30,11 +30,11 @@ from rope_model import (
     balance_rope,
     rope_120,
 )
+from rope_model.boundary.bodies import NO_ROOM, RESOLUTION
 from rope_model.messages.rules import first_text
 from rope_model.physics import shaft as physics
 from rope_model.physics.node import arc_lengths
 from rope_model.physics.shaft import KINDS, Body, distance, least_distance
-from rope_model.rules.bodies import NO_ROOM, RESOLUTION
 from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 
 #: of the distances: sqrt(TINY), and places to 1e4 m in double precision

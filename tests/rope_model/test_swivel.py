@@ -21,13 +21,13 @@ from rope_model import (
     Swivel,
     balance_rope,
 )
+from rope_model.method.statics import lacks_symmetry
+from rope_model.method.swivel_phases import Phase, SwivelState, swivel_excess
 from rope_model.physics.swivel import friction_moment
 from rope_model.reference.ends import SENSE, EndPath, onwards
 from rope_model.reference.rope import ReferenceRope
 from rope_model.reference.swivel import Ends as ReferenceEnds
-from rope_model.rules.state import Event
-from rope_model.rules.statics import lacks_symmetry
-from rope_model.rules.swivel_phases import Phase, SwivelState, swivel_excess
+from rope_model.state import Event
 
 # a short soft rope whose axial waves an explicit reference integrator can follow
 SOFT = Rope(length=8.0, Qa=2e4, Qb=0.0, Qc=0.0, Qd=10.0, EI=60.0, rhoJ=0.02, beta_K=2e-3)

@@ -26,6 +26,9 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from rope_model.boundary import quintic
+from rope_model.boundary.end_paths import RESTS_BELOW, EndMotion, EndPath
+from rope_model.boundary.quintic import Quintic
 from rope_model.parameters import CHOICES, Scene
 from rope_model.physics.elementary import (
     Scalar,
@@ -40,9 +43,6 @@ from rope_model.physics.elementary import (
     where,
 )
 from rope_model.physics.estimates import axial_frequency
-from rope_model.rules import quintic
-from rope_model.rules.end_paths import RESTS_BELOW, EndMotion, EndPath
-from rope_model.rules.quintic import Quintic
 
 #: m/s^3, jerk that a consistent motion may have at any instant.  To follow it within a step h the
 #: path needs an additional acceleration of at most 5.8 h times the jerk: 0.1 % of g where h = 20 ms

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from functools import reduce
 from typing import NamedTuple
 
+from rope_model.boundary.end_paths import EndMotion
 from rope_model.messages import messages
 from rope_model.messages.rules import Rules
 from rope_model.parameters import Scene
@@ -21,7 +22,6 @@ from rope_model.physics.elementary import (
     where,
 )
 from rope_model.physics.shaft import KINDS, Body
-from rope_model.rules.end_paths import EndMotion
 from rope_model.shaft_parameters import FAR, Shaft
 
 LINING, CONVEYANCE, HEAD_ROPES, DIVIDER, FLOOR = range(len(KINDS))

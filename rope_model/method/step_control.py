@@ -14,6 +14,7 @@ braking makes.
 
 from typing import NamedTuple
 
+from rope_model.method.step_errors import ErrorSums, end_force_error, flow_error, wave_duration
 from rope_model.parameters import Scene
 from rope_model.physics.elementary import (
     TINY,
@@ -28,7 +29,6 @@ from rope_model.physics.elementary import (
     where,
 )
 from rope_model.physics.estimates import axial_frequency
-from rope_model.rules.step_errors import ErrorSums, end_force_error, flow_error, wave_duration
 from rope_model.solver_parameters import Solver
 
 # fractions of allowed errors that a step may leave, tuned on seeded ropes of 60 to 1200 m (`make

@@ -10,18 +10,18 @@ swivels must turn freely as well, or its writhe twists it; they may hold at the 
 in the plane.  The omitted quantities are then zero in the complete model too.  Otherwise 'auto'
 takes a lower fidelity only if the estimated error of the vertical end forces (root mean square over
 a winding, relative to the largest) is within the scene's tolerance.  physics.estimates has the
-estimates, rules.fidelity_rules the formulas of the decision.
+estimates, fidelity.fidelity_rules the formulas of the decision.
 """
 
 import logging
 from typing import Literal, NamedTuple
 
+from rope_model.boundary.end_paths import SIDES, EndMotion
+from rope_model.fidelity import fidelity_rules
 from rope_model.messages import fidelity_messages, messages
 from rope_model.messages.rules import first_text
 from rope_model.parameters import Scene
 from rope_model.physics.element import ElementFidelity
-from rope_model.rules import fidelity_rules
-from rope_model.rules.end_paths import SIDES, EndMotion
 
 log = logging.getLogger(__name__)
 

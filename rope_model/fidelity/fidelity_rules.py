@@ -1,4 +1,4 @@
-"""Decision rules of the fidelity, with their error estimates; rules.fidelity and its C apply them.
+"""Decision rules of the fidelity, with their error estimates; fidelity.choice and its C apply them.
 
 carries_torque, force_error and unsupported_input also serve mesh, stepping and outputs.
 """
@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
+from rope_model.boundary.bodies import may_touch
+from rope_model.boundary.end_paths import EndMotion
 from rope_model.messages import fidelity_messages
 from rope_model.messages.rules import Rules
 from rope_model.parameters import AT_START, Scene
@@ -17,8 +19,6 @@ from rope_model.physics.estimates import Travel
 from rope_model.physics.guard import has_guards
 from rope_model.physics.inextensible import min_tension, rigid_tensions
 from rope_model.physics.initial_curvature import max_curvature
-from rope_model.rules.bodies import may_touch
-from rope_model.rules.end_paths import EndMotion
 
 TURNED = ("yaw", "yaw_rate")  #: inputs that turn a rope whose swivels hold
 OUT_OF_PLANE = ("z", "vz", "az", "lean_z")  #: inputs out of the plane

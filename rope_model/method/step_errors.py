@@ -11,10 +11,10 @@ as a false tension, which shifts the loop by some x^2 v^2 / g against its weight
 
 from typing import NamedTuple
 
+from rope_model.method.mesh_error import mesh_error
 from rope_model.parameters import Rope, Scene
 from rope_model.physics.elementary import TINY, Scalar, Vector, cos, maximum, sin, sqrt
 from rope_model.physics.estimates import axial_frequency, bending_length
-from rope_model.rules.mesh_error import mesh_error
 
 #: total phase error of a wave over that by the strain alone: its rate is not measured
 RATE_ERROR_FACTOR = 2.0

@@ -1,7 +1,7 @@
 """Constants and formulas of stepping through a communication step."""
 
+from rope_model.method.newton import STEP_ITERATIONS
 from rope_model.physics.elementary import Scalar, maximum
-from rope_model.rules.newton import STEP_ITERATIONS
 
 #: largest number of Newton iterations of a communication step: over 6 times that of 120 drawn trips
 MAX_ITERATIONS = 5_000.0
