@@ -475,13 +475,17 @@ def test_reference_shares_tables_and_rules_with_the_engine_and_no_control_flow()
     modules = {name for name in found if name.startswith("rope_model.")}
     allowed = (
         "arrays",
+        "boundary",
+        "fidelity",
         "interface",
+        "method",
         "parameters",
         "physics",
         "reference",
-        "rules",
         "scene_names",
+        "signals",
         "solver_parameters",
+        "state",
     )
     assert {name for name in modules if name.split(".")[1] not in allowed} == set()
 
