@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, cast, get_args, get_origin, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
-from rope_model.boundary.end_paths import SIDES, EndMotion
+from rope_model.boundary.end_paths import EndMotion
 from rope_model.boundary.point_forces import NO_FORCES, PointForces
 from rope_model.codegen import state_structures as layout
 from rope_model.codegen.build import failed, library
@@ -25,6 +25,7 @@ from rope_model.method.partition import Partition
 from rope_model.method.swivel_phases import Phase
 from rope_model.parameters import Scene
 from rope_model.physics.element import NODE_DOF
+from rope_model.physics.node import SIDES
 from rope_model.signals.signal_table import SIGNALS, checked_names
 from rope_model.solver_parameters import FidelityChoice
 from rope_model.state import NO_HYSTERESIS, Event, Powers, RopeState

@@ -14,6 +14,7 @@ from rope_model.fidelity.choice import FIDELITIES
 from rope_model.fidelity.neglected_effects import Effect, neglected_effects, neglected_text
 from rope_model.interface import BalanceRope, Snapshot, Status
 from rope_model.parameters import CHOICES, Layout, Rope, Scene, Swivel
+from rope_model.physics.node import SIDES
 from rope_model.shaft_parameters import (
     FAR,
     Air,
@@ -40,6 +41,7 @@ __all__ = [
     "FIDELITIES",
     "GUARD_CAUSES",
     "ROPE_CASES",
+    "SIDES",
     "SIGNALS",
     "Account",
     "Accuracy",

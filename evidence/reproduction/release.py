@@ -11,8 +11,7 @@ from evidence.tables import Array, Tables, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import BalanceRope, Scene, Swivel, rope_240
-from rope_model.boundary.end_paths import SIDES
-from rope_model.physics.node import ANGLE
+from rope_model.physics.node import ANGLE, SIDES
 
 RELEASE, END = 20.0, 45.0  # s
 FROM, UNTIL = 17.0, 24.0  # s: record of the swivel, and what of it is searched for jumps

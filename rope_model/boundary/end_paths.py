@@ -17,8 +17,6 @@ from rope_model.boundary.quintic import Quintic
 from rope_model.parameter_table import Bounds, numeric_bounds, parameter, parameters_of
 from rope_model.physics.elementary import Scalar, maximum, minimum
 
-SIDES = ("left", "right")
-END_NODE = (0, -1)  #: rows of the ends in arrays of nodes
 PATH = ("x", "y", "z", "yaw")  #: coordinates of an end's path
 LEANS = ("lean", "lean_z")  #: leans of a clamp, which have paths of their own
 RESTS_BELOW = 1e-6  #: m/s and rad/s, speed below which an end is at rest

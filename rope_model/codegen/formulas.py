@@ -276,7 +276,7 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     "PARAMETERS": len(element.PARAMETERS),
     "AIR_COEFFICIENTS": AIR_NUMBERS,
     "AIR_SIZE": air_element.AIR_SIZE,
-    "BALANCE": element.BALANCE.index("damping_power"),
+    "BALANCE": element.FIRST_POWER,
     "MOMENTUM": len(element.MOMENTUM),
     "STRAINS": len(element.STRAINS),
     "AIR_BALANCE": len(air_element.AIR_BALANCE),

@@ -8,7 +8,7 @@ from typing import Any, get_args
 import casadi as ca
 
 from rope_model.boundary.bodies import BODIES
-from rope_model.boundary.end_paths import MOTION_BOUNDS, SIDES
+from rope_model.boundary.end_paths import MOTION_BOUNDS
 from rope_model.codegen.expressions import texts_of
 from rope_model.codegen.formula_functions import structure_at
 from rope_model.codegen.state_structures import structure_code
@@ -27,6 +27,7 @@ from rope_model.parameters import GROUPS as GROUPS_BY_NAME
 from rope_model.physics.elementary import logical_and
 from rope_model.physics.expressions import no_simplification
 from rope_model.physics.initial_curvature import CURVATURES
+from rope_model.physics.node import SIDES
 from rope_model.shaft_parameters import PARTS
 from rope_model.signals.signal_groups import group_of
 from rope_model.signals.signal_table import SHAPE_POINTS, SIGNALS

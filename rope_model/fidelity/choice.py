@@ -16,12 +16,13 @@ estimates, fidelity.fidelity_rules the formulas of the decision.
 import logging
 from typing import Literal, NamedTuple
 
-from rope_model.boundary.end_paths import SIDES, EndMotion
+from rope_model.boundary.end_paths import EndMotion
 from rope_model.fidelity import fidelity_rules
 from rope_model.messages import fidelity_messages, messages
 from rope_model.messages.rules import first_text
 from rope_model.parameters import Scene
 from rope_model.physics.element import ElementFidelity
+from rope_model.physics.node import SIDES
 
 log = logging.getLogger(__name__)
 

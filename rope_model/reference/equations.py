@@ -30,7 +30,9 @@ from rope_model.reference.elements import over_elements
 
 Mask = NDArray[np.bool_]
 
+ALONG = 0  #: column of r_X
 HEIGHT = 1  #: column of r_Y
+STRETCH = 4  #: column of r'_Y: the stretch of a plumb end
 ELEMENT_DOF = 2 * NODE_DOF
 BAND = ELEMENT_DOF - 1  #: diagonals of the tangent on either side of the main one
 DIAGONAL = 2 * BAND  #: row of the main diagonal in a band: above are BAND rows for exchanges

@@ -22,8 +22,9 @@ from rope_model.method.swivel_phases import (
 )
 from rope_model.parameters import Scene
 from rope_model.physics.centreline import line_yaw
-from rope_model.physics.node import ANGLE, POSITION
-from rope_model.reference.ends import END_NODE, EndPath
+from rope_model.physics.inextensible import left_leg_length
+from rope_model.physics.node import ANGLE, END_NODE, POSITION
+from rope_model.reference.ends import EndPath
 from rope_model.reference.energies import Energies, with_energies
 from rope_model.reference.equations import HEIGHT
 from rope_model.reference.generalized_alpha import Motion
@@ -54,7 +55,7 @@ def hang(scene: Scene, t: float, paths: tuple[EndPath, EndPath]) -> State:
     """Return the rope at rest at ``t`` (s); StaticsError if there is no equilibrium."""
     straight = Ends(scene, paths, (_held(0.0), _held(scene.rope.installed_twist)), (0.0, 0.0))
     left, right = straight.motion(t, 2)[0, :, POSITION]
-    mesh = mesh_of(scene, 0.5 * (scene.rope.length + left[1] - right[1]))
+    mesh = mesh_of(scene, left_leg_length(scene.rope.length, left[HEIGHT], right[HEIGHT]))
     guess = hanging_guess(mesh.nodes_s, left, right)
     # in the plane of its ends, at psi to X, an untwisted rope turns its right end by -2 psi
     offset = 2.0 * math.atan2(right[2] - left[2], right[0] - left[0])

@@ -16,13 +16,8 @@ from rope_model.boundary.point_forces import PointForces
 from rope_model.fidelity.choice import Fidelity
 from rope_model.interface import BalanceRope, Snapshot, Status
 from rope_model.parameters import Scene
-from rope_model.reference.ends import (
-    SIDES,
-    onwards,
-    peak_acceleration,
-    refusal,
-    resting,
-)
+from rope_model.physics.node import ANGLE, SIDES
+from rope_model.reference.ends import onwards, peak_acceleration, refusal, resting
 from rope_model.reference.equations import HEIGHT
 from rope_model.reference.hanging import hang
 from rope_model.reference.mesh import mesh_of
@@ -175,7 +170,7 @@ class ReferenceRope(BalanceRope):
 
     def rows(self) -> NDArray[np.float64]:
         m = self.state.motion
-        return np.column_stack((self.state.mesh.nodes_s, m.q[:, :6], m.v[:, :6]))
+        return np.column_stack((self.state.mesh.nodes_s, m.q[:, :ANGLE], m.v[:, :ANGLE]))
 
     def displacement(self, forces: PointForces) -> NDArray[np.float64]:
         raise ValueError(f"the reference rope takes no point forces: {CURE}")

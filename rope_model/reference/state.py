@@ -15,6 +15,7 @@ import numpy as np
 from rope_model.arrays import Array
 from rope_model.method.swivel_phases import SwivelState
 from rope_model.parameters import Scene
+from rope_model.physics.inextensible import left_leg_length
 from rope_model.physics.node import ANGLE
 from rope_model.reference.ends import EndPath
 from rope_model.reference.energies import Energies
@@ -59,6 +60,12 @@ class State:
     counts: Counts = Counts()
     events: tuple[Event, ...] = ()  #: of the last advance
 
+    @property
+    def last_interval(self) -> float:
+        """Length (s) of the last advance."""
+        path = self.paths[0]
+        return path.stop - path.start
+
     def ends(self, scene: Scene) -> Ends:
         """Return the rope's ends."""
         return Ends(scene, self.paths, self.swivels, self.offsets)
@@ -70,7 +77,7 @@ class State:
     def bottom_s(self, scene: Scene, t: float) -> float:
         """Return the arc length (m) of the loop at ``t`` (s), from the heights of the ends."""
         left, right = (path.at(t)[0, 1] for path in self.paths)
-        return float(0.5 * (scene.rope.length + left - right))
+        return float(left_leg_length(scene.rope.length, left, right))
 
     def with_angles(self, equations: Equations) -> State:
         """Return the state as the reference of its own frame, instead of that of ``equations``.

@@ -18,9 +18,10 @@ import numpy as np
 
 from rope_model.arrays import Array
 from rope_model.physics.element import PARAMETERS
+from rope_model.physics.inextensible import left_leg_length
 from rope_model.physics.initial_shape import initial_shape, node_row
 from rope_model.physics.node import ANGLE, SLOPE
-from rope_model.reference.equations import Equations
+from rope_model.reference.equations import HEIGHT, Equations
 
 TOLERANCE = 1e-11  #: last correction, m over the rope's length
 MAX_CORRECTIONS = 10_000
@@ -129,13 +130,13 @@ def hanging_guess(s: Array, left: Array, right: Array) -> Array:
     width = float(np.linalg.norm(across))
     if width == 0:
         raise StaticsError("the ends are above each other: move one aside, by 0.1 m or more")
-    middle = 0.5 * (length + left[1] - right[1])  # arc length of the lowest point
+    middle = left_leg_length(length, left[HEIGHT], right[HEIGHT])
     cell = float(np.interp(middle, 0.5 * (s[:-1] + s[1:]), np.diff(s)))
     legs = initial_shape(length, middle, width, cell)
     if min(legs.left_leg, legs.right_leg) <= legs.lean:
         raise StaticsError(
             f"a rope of {length:g} m cannot hang between ends {width:.4g} m apart and "
-            f"{abs(left[1] - right[1]):.4g} m different in height: move them closer together"
+            f"{abs(left[HEIGHT] - right[HEIGHT]):.4g} m different in height: move them closer together"
         )
     row = node_row(legs, left, across / width, s)
     return np.column_stack([np.broadcast_to(values, s.shape) for values in row])

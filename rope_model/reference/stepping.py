@@ -24,10 +24,9 @@ from rope_model.method.swivel_phases import (
     released_at,
 )
 from rope_model.parameters import Scene
-from rope_model.physics.node import ANGLE
-from rope_model.reference.ends import END_NODE, SIDES
+from rope_model.physics.node import ANGLE, END_NODE, SIDES
 from rope_model.reference.energies import after_step
-from rope_model.reference.equations import HEIGHT, Equations
+from rope_model.reference.equations import HEIGHT, STRETCH, Equations
 from rope_model.reference.generalized_alpha import (
     Motion,
     Step,
@@ -39,7 +38,7 @@ from rope_model.reference.generalized_alpha import (
 from rope_model.reference.newton import Cause, Failure
 from rope_model.reference.outputs import nearest_turn, yaw_of
 from rope_model.reference.state import Event, State
-from rope_model.reference.swivel import STRETCH, Ends, slip, stick
+from rope_model.reference.swivel import Ends, slip, stick
 from rope_model.reference.transformation import with_mesh_for
 
 JUST_BEFORE = -1e-12  #: event function of a slip that has just begun: it has no rate yet

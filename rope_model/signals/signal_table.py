@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from rope_model.boundary.bodies import BODIES
-from rope_model.boundary.end_paths import SIDES
 from rope_model.physics.guard import CAUSES as CAUSES
+from rope_model.physics.node import SIDES
 from rope_model.physics.shaft import KINDS
 
 SHAPE_POINTS = 81

@@ -19,7 +19,7 @@ from shared import Array
 
 from fmu_src.interface import variables
 from rope_model import Rope, RopeCase, Scene, Swivel, scene_names
-from rope_model.boundary.end_paths import MOTION_BOUNDS, SIDES, EndMotion
+from rope_model.boundary.end_paths import MOTION_BOUNDS, EndMotion
 from rope_model.boundary.input_filter import InputFilter
 from rope_model.codegen.structures import EndMotionStructure, SceneStructure, scene_structure
 from rope_model.fidelity.choice import (
@@ -28,6 +28,7 @@ from rope_model.fidelity.choice import (
     lowest_sufficient,
     unsupported_motion,
 )
+from rope_model.physics.node import SIDES
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
 from rope_model.solver_parameters import FidelityChoice, Inputs, Model
 
