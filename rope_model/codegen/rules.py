@@ -17,7 +17,7 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hint
 
 import casadi as ca
 
-from rope_model.boundary.bodies import NO_ROOM, least_passage, may_touch
+from rope_model.boundary.bodies import NO_ROOM, min_body_thickness, may_touch
 from rope_model.boundary.end_paths import EndMotion
 from rope_model.boundary.input_filter import InputFilter
 from rope_model.codegen.expressions import statements, texts_of
@@ -55,7 +55,7 @@ TABLES: dict[str, Rules] = NUMERIC_WARNINGS | {
 }
 #: conditions and numbers
 NUMBERS: tuple[Callable[..., Any], ...] = (
-    *(may_touch, least_passage),
+    *(may_touch, min_body_thickness),
     *(fidelity_rules.carries_torque, fidelity_rules.out_of_plane, fidelity_rules.held_input),
     *(fidelity_rules.not_plumb, fidelity_rules.unsupported_input),
     *(warning_rules.leaves_out, warning_rules.yawed_far_at_rest),

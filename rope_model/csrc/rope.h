@@ -99,8 +99,8 @@ void rope_frames(Simulator *sim, double *frames);
    energy, and without contact.  `nodes` (elements + 1) are the blocks of each node, `next` (elements) those of each
    node (row) with the next one (column); held coordinates are among them. */
 void rope_tangent(Simulator *sim, const double c[3], double (*nodes)[DOF][DOF], double (*next)[DOF][DOF]);
-/* Let the swivels of a rope at rest turn that are free to, and bring it to rest again.  The others hold. */
-RopeStatus rope_let_turn(Simulator *sim);
+/* Release the free swivels of a rope at rest, and bring it to rest again.  The others hold. */
+RopeStatus rope_release_swivels(Simulator *sim);
 
 /* The complete state is a block of bytes without addresses, valid in every process. */
 size_t rope_state_bytes(const Simulator *sim);

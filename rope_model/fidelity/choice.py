@@ -51,7 +51,7 @@ def choose_fidelity(scene: Scene, ends: Ends, forces: int = 0) -> Choice:
     ``forces`` is the number of points at which the host applies forces.
     """
     if scene.model.fidelity != "auto":
-        return Choice(scene.model.fidelity, fidelity_messages.as_asked())
+        return Choice(scene.model.fidelity, fidelity_messages.as_set())
     choice = _lowest(scene, ends, forces)
     log.info("model: %s, because %s", *choice)
     return choice
@@ -104,7 +104,7 @@ def _lowest(scene: Scene, ends: Ends, forces: int) -> Choice:
         below = ""
     torque = first_text(fidelity_rules.TORQUE, scene)
     return Choice(
-        "torsional", fidelity_messages.torque_and_more(torque, below) if below else torque
+        "torsional", fidelity_messages.torque_and_unsupported(torque, below) if below else torque
     )
 
 

@@ -113,7 +113,7 @@ def _curved(scene: Scene) -> tuple[Scalar, ...]:
     return largest > 0, largest
 
 
-def _errs_too_much(
+def _error_above_tolerance(
     scene: Scene, fidelity: str, left: EndMotion, right: EndMotion, forces: Scalar
 ) -> tuple[Scalar, ...]:
     error = force_error(scene, fidelity, expected_travel((left, right)))
@@ -134,7 +134,7 @@ def _no_torque(
     return (logical_and(fidelity != "rigid", carries_torque(scene) == 0),)
 
 
-def _errs_little(
+def _error_within_tolerance(
     scene: Scene, fidelity: str, left: EndMotion, right: EndMotion
 ) -> tuple[Scalar, ...]:
     travel = expected_travel((left, right))
@@ -161,12 +161,12 @@ COMPLETE: Rules = {
 #: reasons of 'auto' against a fidelity that supports all inputs
 UNSUPPORTED: Rules = {
     fidelity_messages.applied_forces: lambda scene, fidelity, left, right, forces: (forces > 0,),
-    fidelity_messages.errs_too_much: _errs_too_much,
+    fidelity_messages.error_above_tolerance: _error_above_tolerance,
     fidelity_messages.would_go_slack: _would_go_slack,
 }
 #: reasons why a fidelity below the complete one serves; without torque the planar one does, except
 #: for a rigid rope
 SUFFICIENT: Rules = {
     fidelity_messages.no_torque: _no_torque,
-    fidelity_messages.errs_little: _errs_little,
+    fidelity_messages.error_within_tolerance: _error_within_tolerance,
 }

@@ -192,7 +192,7 @@ def test_auto_switches_up_without_a_jump(
 
 
 @pytest.mark.parametrize(
-    ("tolerance", "why"), [(0.1, "it errs by an estimated"), (0.9, "goes slack")]
+    ("tolerance", "why"), [(0.1, "its estimated error is"), (0.9, "goes slack")]
 )
 def test_rigid_rope_becomes_flexible_when_it_errs_too_much_or_would_go_slack(
     tolerance: float, why: str
