@@ -17,7 +17,7 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hint
 
 import casadi as ca
 
-from rope_model.boundary.bodies import NO_ROOM, min_body_thickness, may_touch
+from rope_model.boundary.bodies import NO_ROOM, may_touch, min_body_thickness
 from rope_model.boundary.end_paths import EndMotion
 from rope_model.boundary.input_filter import InputFilter
 from rope_model.codegen.expressions import statements, texts_of

@@ -7,6 +7,7 @@ elements).
 
 from functools import cache
 from threading import Lock
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -26,11 +27,13 @@ class ElementsFunction:
         of_group = _of_group(function.expand())
         self._arguments = [np.zeros(of_group.size_in(k)[::-1]) for k in range(of_group.n_in())]
         self._results = [np.zeros(of_group.size_out(k)[::-1]) for k in range(of_group.n_out())]
-        self._buffer, self._evaluate = of_group.buffer()
+        buffer: Any  # CasADi's stubs lack its methods of Python
+        buffer, self._evaluate = of_group.buffer()
         for k, argument in enumerate(self._arguments):
-            self._buffer.set_arg(k, memoryview(argument))
+            buffer.set_arg(k, argument.data)
         for k, result in enumerate(self._results):
-            self._buffer.set_res(k, memoryview(result))
+            buffer.set_res(k, result.data)
+        self._buffer = buffer  # CasADi reads and writes through it
         self._lock = Lock()
 
     def __call__(self, elements: int, *arguments: Array | float) -> tuple[Array, ...]:
@@ -44,8 +47,9 @@ class ElementsFunction:
                 part = slice(start, start + GROUP)
                 size = min(GROUP, elements - start)  # what is behind it is computed for nothing
                 for place, argument in zip(self._arguments, arguments, strict=True):
-                    varies = isinstance(argument, np.ndarray) and argument.shape[1] > 1
-                    place[:, :size] = argument[:, part] if varies else argument
+                    if isinstance(argument, np.ndarray) and argument.shape[1] > 1:
+                        argument = argument[:, part]
+                    place[:, :size] = argument
                 self._evaluate()
                 for place, result in zip(self._results, results, strict=True):
                     result[:, part] = place[:, :size]
@@ -83,7 +87,8 @@ def _of_group(function: ca.Function) -> ca.Function:
         elif len(read) == 1:
             work[written[0]] = ca.MX.unary(operation, work[read[0]])
         else:
-            work[written[0]] = ca.MX.binary(operation, *(work[place] for place in read))
+            first, second = read
+            work[written[0]] = ca.MX.binary(operation, work[first], work[second])
     return ca.Function(
         function.name(), arguments, [ca.densify(ca.horzcat(*columns)) for columns in results]
     )

@@ -231,7 +231,8 @@ def assembled_band(J: Array) -> Array:
     elements = J.shape[1]
     places = _band_places(elements)
     unknowns = NODE_DOF * (elements + 1)
-    band = np.bincount(places, weights=J.T.ravel(), minlength=unknowns * BAND_ROWS)
+    band = np.zeros(unknowns * BAND_ROWS)
+    band += np.bincount(places, weights=J.T.ravel(), minlength=band.size)
     return band.reshape(unknowns, BAND_ROWS).T
 
 
