@@ -184,9 +184,9 @@ def side_gap(
 
 
 def min_slope(length: Scalar, a: Vector, b: Vector, direction: Vector) -> Scalar:
-    """Return a lower bound of the slope in a horizontal ``direction`` of the cubic between two points, ``length`` (m) apart.
+    """Return a lower bound of the slope, in a horizontal ``direction``, of the cubic between two points.
 
-    The points come with their r'; the lowest control point of the slope is that bound.
+    They are ``length`` (m) apart and come with their r'; the slope's lowest control point is that bound.
     """
     start, stop = (direction[0] * x[3] + direction[1] * x[5] for x in (a, b))
     return minimum(minimum(start, stop), 3.0 * reach(b, a, direction) / length - start - stop)
