@@ -121,7 +121,7 @@ def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
         "rope_linear_facts": (None, (rope, POINTER(LinearFactsStructure))),
         "rope_frames": (None, (rope, c_void_p)),
         "rope_tangent": (None, (rope, POINTER(c_double), c_void_p, c_void_p)),
-        "rope_release_swivels": (c_int, (rope,)),
+        "rope_release_free_swivels": (c_int, (rope,)),
         "rope_state_bytes": (c_size_t, (rope,)),
         "rope_restore": (c_int, (rope, c_char_p, c_size_t)),
     }
@@ -310,9 +310,9 @@ class NativeRope(BalanceRope):
         )
         return matrix
 
-    def release_swivels(self) -> Status:
+    def release_free_swivels(self) -> Status:
         """Release the free swivels of a rope that has just been hung, and bring it to rest; others hold."""
-        return self.status_of(self._lib.rope_release_swivels(self._rope))
+        return self.status_of(self._lib.rope_release_free_swivels(self._rope))
 
     def warnings(self) -> dict[str, str]:
         self._require_state()

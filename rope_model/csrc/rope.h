@@ -100,7 +100,7 @@ void rope_frames(Simulator *sim, double *frames);
    node (row) with the next one (column); held coordinates are among them. */
 void rope_tangent(Simulator *sim, const double c[3], double (*nodes)[DOF][DOF], double (*next)[DOF][DOF]);
 /* Release the free swivels of a rope at rest, and bring it to rest again.  The others hold. */
-RopeStatus rope_release_swivels(Simulator *sim);
+RopeStatus rope_release_free_swivels(Simulator *sim);
 
 /* The complete state is a block of bytes without addresses, valid in every process. */
 size_t rope_state_bytes(const Simulator *sim);

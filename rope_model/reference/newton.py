@@ -26,7 +26,7 @@ class Cause(Enum):
 
     NOT_CONVERGED = f"Newton's method did not converge in {MAX_CORRECTIONS} corrections"
     DIVERGED = "Newton's method diverged"
-    NEW_MESH = "Newton's method fails on a new mesh, however stiffly the rope is restrained"
+    NEW_MESH = "Newton's method does not converge, however stiffly the rope is restrained"
     ERROR = "the local error of the step is too large"
     CHATTER = "a swivel changes between stick and slip faster than a rope can move"
     STEPS = "the communication step takes too many steps"
@@ -34,11 +34,11 @@ class Cause(Enum):
 
 @dataclass(frozen=True)
 class Failure:
-    """Step that cannot be taken."""
+    """Step or transformation of the mesh that fails."""
 
     cause: Cause
-    t: float  #: s, instant from which it would have led
-    h: float  #: s, its length
+    t: float  #: s, instant at which it begins
+    what: str  #: that fails, such as "a step of 0.01 s"
 
 
 class Guess(NamedTuple):

@@ -75,7 +75,7 @@ def lowest_point(q: Array, s: Array) -> LowestPoint:
     one = q[element]
     other = q[element + 1]
     _, slope = interpolate(xi, l, one[POSITION], one[SLOPE], other[POSITION], other[SLOPE])
-    return LowestPoint(float(at_s), points[lowest], _yaw(slope))
+    return LowestPoint(float(at_s), points[lowest], _yaw(np.asarray(slope)))
 
 
 def _lowest_in(l: float, r1: float, s1: float, r2: float, s2: float) -> float | None:

@@ -146,9 +146,8 @@ class ReferenceRope(BalanceRope):
             if state.motion.t >= t:
                 break
         else:
-            return Status(
-                False, failure_message(Failure(Cause.STEPS, state.motion.t, state.step_next))
-            )
+            what = f"the advance from {start:.6g} s to {t:.6g} s"
+            return Status(False, failure_message(Failure(Cause.STEPS, state.motion.t, what)))
         mean = impulse / (t - start)
         self._state = replace(state, force_mean=(float(mean[0]), float(mean[1])))
         return Status(True)
@@ -204,10 +203,10 @@ class ReferenceRope(BalanceRope):
 
 
 def failure_message(failure: Failure) -> str:
-    """Return cause and cure of a failed step."""
+    """Return what fails, cause and cure."""
     cause = failure.cause.value
     return (
-        f"at t = {failure.t:.6g} s a step of {failure.h:.3g} s fails: {cause}; "
+        f"at t = {failure.t:.6g} s {failure.what} fails: {cause}; "
         "check the motions of the ends, refine the mesh, or lower solver.step_min"
     )
 

@@ -31,7 +31,9 @@ class Counts:
 
     steps: int = 0
     rejections: int = 0
-    newton: int = 0  #: corrections of accepted and rejected steps
+    newton: int = (
+        0  #: corrections of steps: accepted, rejected, and tried in the search for an event
+    )
     transformations: int = 0
     swivel_events: int = 0
 

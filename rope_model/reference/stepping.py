@@ -96,7 +96,7 @@ def step_towards(scene: Scene, state: State, t_end: float) -> State | Failure:
     if accepted.switches:
         after = _switched(scene, after)
     if _chatters(after):
-        return Failure(Cause.CHATTER, old.t, accepted.h)
+        return _failed_step(Cause.CHATTER, old.t, accepted.h)
     return after
 
 
@@ -117,17 +117,21 @@ def _accepted(
         good = trial.motion is not None and error <= ACCEPT_BELOW * solver.tolerance
         switches = good and trial.motion is not None and _excess(ends, trial.motion) >= 0
         if switches:
-            trial = _trial(scene, equations, old, _event_step(scene, equations, ends, old, h))
+            trial = _trial_to_event(scene, equations, ends, old, h)
             state = state.counted(newton=trial.corrections)
         if good and trial.motion is not None:
             before = replace(state, step_next=step_next)
             reaches_stop = parts == 1 and not switches
             return Accepted(trial.motion, before, h, error, rejected, switches, reaches_stop)
         if h <= solver.step_min:
-            return Failure(trial.cause or Cause.ERROR, old.t, h)
+            return _failed_step(trial.cause or Cause.ERROR, old.t, h)
         rejected = True
         step_next = max(0.5 * h, solver.step_min)
         state = state.counted(rejections=1)
+
+
+def _failed_step(cause: Cause, t: float, h: float) -> Failure:
+    return Failure(cause, t, f"a step of {h:.3g} s")
 
 
 def _trial(scene: Scene, equations: Equations, old: Motion, h: float) -> Step:
@@ -186,16 +190,24 @@ def _excess(ends: Ends, motion: Motion) -> float:
     return max(ends.excess(side, motion) for side in range(len(SIDES)))
 
 
-def _event_step(scene: Scene, equations: Equations, ends: Ends, old: Motion, h: float) -> float:
-    """Return the step (s) to the instant at which a swivel leaves its phase, before ``h``."""
+def _trial_to_event(scene: Scene, equations: Equations, ends: Ends, old: Motion, h: float) -> Step:
+    """Return a trial step, shorter than ``h`` (s), to the instant at which a swivel leaves its phase.
 
-    def at(part: float) -> float:
+    Its corrections are those of the whole search.
+    """
+    corrections = 0
+
+    def excess_after(part: float) -> float:
+        nonlocal corrections
         if part == 0:
             return min(_excess(ends, old), JUST_BEFORE)
         trial = _trial(scene, equations, old, part)
+        corrections += trial.corrections
         return 1.0 if trial.motion is None else _excess(ends, trial.motion)
 
-    return float(brentq(at, 0.0, h, xtol=EVENT_WIDTH))
+    to_event = float(brentq(excess_after, 0.0, h, xtol=EVENT_WIDTH))
+    trial = _trial(scene, equations, old, to_event)
+    return replace(trial, corrections=corrections + trial.corrections)
 
 
 def _switched(scene: Scene, state: State) -> State:

@@ -48,7 +48,7 @@ def with_mesh_for(scene: Scene, state: State, t: float) -> State | Failure:
         if found.cause is None:
             break
         if time <= scene.solver.step_min:
-            return Failure(Cause.NEW_MESH, m.t, time)
+            return Failure(Cause.NEW_MESH, m.t, "a transformation of the mesh")
         time = max(0.5 * time, scene.solver.step_min)
         moved = moved.counted(rejections=1)
     relaxed = replace(moved, motion=replace(motion, q=found.q)).with_angles(equations)
