@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -35,9 +36,11 @@ from rope_model import (
     balance_rope,
 )
 from rope_model.arrays import Array
+from rope_model.physics.element import element_functions
 from rope_model.physics.hermite import missing_load
 from rope_model.physics.node import ANGLE, arc_lengths
-from rope_model.reference import generalized_alpha, statics
+from rope_model.reference import generalized_alpha, newton, statics, transformation
+from rope_model.reference.elements import GROUP, over_elements
 from rope_model.reference.equations import Equations
 from rope_model.reference.generalized_alpha import Motion
 from rope_model.reference.outputs import NAMES
@@ -178,6 +181,22 @@ def test_transfer_keeps_momentum_where_elements_merge_and_splits_exactly() -> No
     split = transferred(merged, coarse_s, fine_s)
     again = transferred(split, fine_s, coarse_s)
     assert_allclose(again, merged, atol=1e-12)
+
+
+@pytest.mark.parametrize("elements", [3, GROUP, GROUP + 5])
+def test_function_over_elements_has_the_value_of_each_element(elements: int) -> None:
+    rng = np.random.default_rng(5)
+    tangent = element_functions().tangent
+    varying = [1.0 + rng.random((tangent.numel_in(k), elements)) for k in range(5)]
+    same = [1.0 + rng.random((tangent.numel_in(5), 1)), 1.0, 2.0, 3.0]
+    prestress = 1.0 + rng.random((tangent.numel_in(9), elements))
+    forces, tangents = over_elements(tangent)(elements, *varying, *same, prestress)
+    for k in range(elements):
+        of_one = tangent(*(x[:, k] for x in varying), *same, prestress[:, k])
+        for found, expected in zip((forces, tangents), of_one, strict=True):
+            values = np.asarray(expected).ravel(order="F")
+            # the same operations; sums of some hundred terms are rounded alike or nearly
+            assert_allclose(found[:, k], values, rtol=0, atol=1e-13 * np.abs(values).max())
 
 
 # the engine
@@ -425,6 +444,35 @@ def test_steps_that_fail_are_repeated_smaller_and_reported_at_last() -> None:
     assert not status.valid
     assert "the local error of the step is too large" in status.message
     assert rope.save() == before
+
+
+def test_corrections_of_the_search_for_an_event_count_as_work(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    corrections = []
+
+    def counted(*arguments: Any, **keywords: Any) -> newton.Solution:
+        found = newton.solve(*arguments, **keywords)
+        corrections.append(found.corrections)
+        return found
+
+    monkeypatch.setattr(generalized_alpha, "solve", counted)
+    dry = replace(FEW, left=DRY, right=DRY).scene(0.02)
+    rope = wound(balance_rope(dry, "reference"), winding, 12, step=H)
+    values = rope.signals(["count.swivel_events", "count.newton"])
+    assert values["count.swivel_events"] > 0
+    assert values["count.newton"] == sum(corrections)
+
+
+def test_transformation_that_fails_is_reported_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    def diverges(equations: Equations, guess: newton.Guess, *_: Any, **__: Any) -> newton.Solution:
+        return newton.Solution(*guess, guess.q, 1, newton.Cause.DIVERGED)
+
+    monkeypatch.setattr(transformation, "solve", diverges)
+    rope = hung(balance_rope(replace(FEW, mesh=SMALL_TMN).scene(0.02), "reference"), *winding(0.0))
+    statuses = [rope.advance_to(k * H, *winding(k * H)) for k in range(1, 28)]
+    failed = [status.message for status in statuses if not status.valid]
+    assert "a transformation of the mesh fails: Newton's method does not converge" in failed[0]
 
 
 @pytest.mark.parametrize(
