@@ -83,9 +83,8 @@ class ChainMatrix(NamedTuple):
     """Symmetric matrix of a chain whose nodes couple with their neighbours only."""
 
     nodes: NDArray[np.float64]  #: (nodes, 7, 7), blocks on the diagonal
-    next: NDArray[
-        np.float64
-    ]  #: (elements, 7, 7), blocks of each node (rows) with the next (columns)
+    #: (elements, 7, 7), blocks of each node (rows) with the next (columns)
+    next: NDArray[np.float64]
 
 
 @cache

@@ -61,11 +61,12 @@ def optimise(
 
     # the reference is a chain of integrators between nodes; the hoist follows it from the start to the hold's end
     opti = ca.Opti()
+    # r: s [10 m], v [10 m/s], a [m/s^2]
     T, J, r = (
         opti.variable(),
         opti.variable(1, N),
         opti.variable(3, N + 1),
-    )  # r: s [10 m], v [10 m/s], a [m/s^2]
+    )
     scale, h, j = ca.DM([10.0, 10.0, 1.0]), T / N, winding.jerk * J
     s, v, a = (scale[i] * r[i, :] for i in range(3))
     ends = (

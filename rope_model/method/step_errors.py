@@ -120,6 +120,5 @@ def loop_error(scene: Scene, sums: ErrorSums, l: Scalar, grading_length: Scalar)
     """Return the largest error (m) of the loop's position since the start, by elements, legs and steps."""
     mesh = mesh_error(scene, l, grading_length)
     steps = STEP_ERROR_TO_LOOP * sums.position
-    return sqrt(
-        mesh * mesh + steps * steps + sums.flow * sums.flow
-    )  # the three occur at different instants
+    # the three occur at different instants
+    return sqrt(mesh * mesh + steps * steps + sums.flow * sums.flow)

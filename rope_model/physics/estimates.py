@@ -109,9 +109,8 @@ def loop_yaw(scene: Scene) -> Scalar:
     """Return the yaw (rad) of the loop under the torque of a held rope; legs are strings under their own weight."""
     rope = scene.rope
     g = scene.layout.gravity
-    width = 0.5 * (
-        scene.layout.spacing + natural_width(scene)
-    )  # mean of the widths at both ends of the legs
+    # mean of the widths at both ends of the legs
+    width = 0.5 * (scene.layout.spacing + natural_width(scene))
     height = maximum(0.5 * rope.length / width, 1.0)
     return (
         4 * abs(held_torque(rope, g)) * log(height) / (rope.mass_per_length * g * (width * width))
