@@ -105,7 +105,8 @@ class Equations:
     ) -> tuple[Array, Factors]:
         """Return R and the tangent J = c[0] dR/dq + c[1] dR/dv + c[2] dR/da of what is free.
 
-        Tensions in J are those of the axial strains of the rope ``prestress`` (nodes, 7).
+        ``c`` are 1, 1/s and 1/s^2 (docs/theory/time.md, eq-tangent).  Tensions in J are those of the
+        axial strains of the rope ``prestress`` (nodes, 7).
         """
         forces, J = self._values(
             element.element_functions().tangent,
@@ -162,7 +163,7 @@ class Equations:
     def turning(self, q: Array, v: Array, a: Array) -> Array:
         """Return the increase of theta and its rates (3, nodes) when ``q`` becomes the reference.
 
-        Sections stay where they are.  The frame of the left end stays, too; along the rope the mean
+        It is in rad, rad/s and rad/s^2.  Sections stay where they are.  The frame of the left end stays, too; along the rope the mean
         twist of each element adds up (docs/theory/element.md, eq-frame).
         """
         gained = np.zeros((3, len(q)))

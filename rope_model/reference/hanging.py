@@ -46,8 +46,8 @@ class Rest:
     """Rope in equilibrium between ``ends``."""
 
     ends: Ends
-    q: Array
-    reaction: Array
+    q: Array  #: (nodes, 7), m, 1 and rad
+    reaction: Array  #: R (nodes, 7), N and N m
     turn: float  #: rad, of the right end's frame since the first guess: minus twice the loop's yaw
 
 
@@ -64,7 +64,7 @@ def hang(scene: Scene, t: float, paths: tuple[EndPath, EndPath]) -> State:
 
     untwisted = _rest(_with_offset(ends, first - last), mesh, _with_angle(guess, first), t)
     rest = _twisted(untwisted, mesh, last - first, t)
-    side = _loose(rest, t)
+    side = _sliding_side(rest, t)
     if side is not None:
         held_angle = (last, first)[side]  # of the other end
         slipping = slip(0.0, rest.reaction[END_NODE[side], ANGLE])
@@ -125,7 +125,7 @@ def _twisted(rest: Rest, mesh: Mesh, twist: float, t: float) -> Rest:
     return rest
 
 
-def _loose(rest: Rest, t: float) -> int | None:
+def _sliding_side(rest: Rest, t: float) -> int | None:
     """Return the side of the swivel that slides: of those that cannot hold, the easiest."""
     frictions = {}
     for side, node in enumerate(END_NODE):
@@ -139,15 +139,18 @@ def _loose(rest: Rest, t: float) -> int | None:
 
 
 def _motion(rest: Rest, t: float) -> Motion:
+    """Return the motion of the rope at rest at ``t`` (s)."""
     zeros = np.zeros_like(rest.q)
     return Motion(t, rest.q, zeros, zeros, zeros, zeros, 0.0, rest.reaction)
 
 
 def _held(angle: float) -> SwivelState:
+    """Return a swivel that is locked at ``angle`` (rad)."""
     return SwivelState(Phase.LOCKED, angle, 0.0)
 
 
 def _with_swivel(ends: Ends, side: int, state: SwivelState) -> Ends:
+    """Return the ends with another state of the swivel on this side."""
     left, right = ends.swivels
     return replace(ends, swivels=(state, right) if side == 0 else (left, state))
 

@@ -51,14 +51,14 @@ class Guess(NamedTuple):
 
 @dataclass(frozen=True)
 class Solution:
-    """Configuration with R = 0 where the rope is free; ``cause`` is None if there is one."""
+    """Configuration with R = 0 where the rope is free; arrays are (nodes, 7)."""
 
     q: Array
     v: Array
     a: Array
-    reaction: Array  #: R (nodes, 7), zero up to the tolerance where the rope is free
+    reaction: Array  #: R, N and N m: zero up to the tolerance where the rope is free
     corrections: int
-    cause: Cause | None
+    cause: Cause | None  #: of a search that found none
 
 
 def solve(
@@ -69,6 +69,8 @@ def solve(
     prestress: Array,
 ) -> Solution:
     """Return the solution near ``guess``, up to a last correction of ``tolerance`` (m and rad).
+
+    ``c`` are c0, c1 and c2 of eq-tangent: 1, 1/s and 1/s^2.
 
     The first guess may overstretch the rope: the first tangent takes its axial strains from
     ``prestress``.

@@ -121,6 +121,7 @@ class State:
 
 
 def _with_more_angle(x: Array, more: Array) -> Array:
+    """Return the rows of nodes ``x`` (nodes, 7) with ``more`` (nodes,) added to their angles."""
     x = x.copy()
     x[:, ANGLE] += more
     return x

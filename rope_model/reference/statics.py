@@ -18,6 +18,7 @@ import numpy as np
 
 from rope_model.arrays import Array
 from rope_model.physics.element import PARAMETERS
+from rope_model.physics.elementary import TINY
 from rope_model.physics.inextensible import left_leg_length
 from rope_model.physics.initial_shape import initial_shape, node_row
 from rope_model.physics.node import ANGLE, SLOPE
@@ -50,8 +51,8 @@ class StaticsError(RuntimeError):
 class Equilibrium:
     """Rope at rest."""
 
-    q: Array  #: (nodes, 7); angles count along it
-    reaction: Array  #: R (nodes, 7)
+    q: Array  #: (nodes, 7), m, 1 and rad; angles count from its own frame
+    reaction: Array  #: R (nodes, 7), N, N m and N m: zero where the rope is free
     corrections: int
     turn: float  #: rad, increase of the angle at the right end by changes of the frame
 
@@ -59,7 +60,8 @@ class Equilibrium:
 def find_equilibrium(equations: Equations, guess: Array, t: float = 0.0) -> Equilibrium:
     """Return the equilibrium near ``guess`` (nodes, 7), held as at ``t`` (s).
 
-    Angles of the guess count along it; those of the equilibrium count along itself.
+    Angles count from the frame of the rope itself (docs/theory/element.md, "The frame of the
+    section"): those of the guess from the guess's, those of the equilibrium from its own.
     """
     q = np.where(equations.held, equations.motion(t)[0], guess)
     zeros = np.zeros_like(q)
@@ -78,7 +80,7 @@ def find_equilibrium(equations: Equations, guess: Array, t: float = 0.0) -> Equi
         move = float(np.abs(x).max())
         if not np.isfinite(move):
             move = np.inf
-        trial = q + min(1.0, MAX_MOVE / max(move, 1e-300)) * np.nan_to_num(x)
+        trial = q + min(1.0, MAX_MOVE / max(move, TINY)) * np.nan_to_num(x)
         reaction = equations.residual(trial, zeros, zeros)
         left = np.where(equations.held, 0.0, reaction)
         force_left = _largest(equations, left)
@@ -101,7 +103,7 @@ def find_equilibrium(equations: Equations, guess: Array, t: float = 0.0) -> Equi
         settled = tau > NEWTON_TIME and equations.size(x) < TOLERANCE * length
         if settled or balanced > BALANCED:
             return Equilibrium(q, reaction, k, turn)
-        tau *= min(max(force / max(force_left, 1e-300), GROW[0]), GROW[1])
+        tau *= min(max(force / max(force_left, TINY), GROW[0]), GROW[1])
         tau = min(tau, LONGEST_TIME)
     raise StaticsError(
         f"no equilibrium in {k} corrections: forces of {force:.3g} N are left; "

@@ -49,7 +49,7 @@ ROUNDING = 1e-9  #: steps: a rest of the interval below it needs no step of its 
 class Accepted:
     """Step that is taken."""
 
-    new: Motion
+    new: Motion  #: behind the step
     before: State  #: with the work of the search for it in its counts
     h: float  #: s, length of the step that was tried; it is longer than the step to an event
     error: float  #: local error over the allowed one
@@ -131,10 +131,12 @@ def _accepted(
 
 
 def _failed_step(cause: Cause, t: float, h: float) -> Failure:
+    """Return the failure of a step of ``h`` (s) from ``t`` (s)."""
     return Failure(cause, t, f"a step of {h:.3g} s")
 
 
 def _trial(scene: Scene, equations: Equations, old: Motion, h: float) -> Step:
+    """Return a trial step of ``h`` (s) with the scene's parameters of the method."""
     return step(equations, old, h, scene.solver.rho_inf, scene.solver.newton_tolerance)
 
 
@@ -170,6 +172,7 @@ def _released(scene: Scene, state: State) -> State:
 
 
 def _released_swivel(scene: Scene, state: State, side: int) -> SwivelState:
+    """Return the swivel on this side: released if its time has come, else as it is."""
     swivel = state.ends(scene).data(side)
     present = state.swivels[side]
     if state.motion.t < released_at(swivel, present):
@@ -240,6 +243,7 @@ def _next_phase(scene: Scene, state: State, side: int) -> SwivelState:
 
 
 def _with_swivel(state: State, side: int, swivel: SwivelState) -> State:
+    """Return the state with another state of the swivel on this side."""
     left, right = state.swivels
     return replace(state, swivels=(swivel, right) if side == 0 else (left, swivel))
 
