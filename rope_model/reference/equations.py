@@ -163,8 +163,9 @@ class Equations:
     def turning(self, q: Array, v: Array, a: Array) -> Array:
         """Return the increase of theta and its rates (3, nodes) when ``q`` becomes the reference.
 
-        It is in rad, rad/s and rad/s^2.  Sections stay where they are.  The frame of the left end stays, too; along the rope the mean
-        twist of each element adds up (docs/theory/element.md, eq-frame).
+        It is in rad, rad/s and rad/s^2.  Sections stay where they are.  The frame of the left end
+        stays, too; along the rope the mean twist of each element adds up (docs/theory/element.md,
+        eq-frame).
         """
         gained = np.zeros((3, len(q)))
         transport = element.element_functions().transport
