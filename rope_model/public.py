@@ -101,8 +101,8 @@ def balance_rope(scene: Scene, form: Form = "native") -> BalanceRope:
     scene : Scene
         Rope, layout, swivels, mesh, solver and surroundings, in SI units.
     form : {"native", "reference"}
-        ``native`` is the engine, in C. ``reference`` is the published system alone, in plain Python to be read: a
-        hundred times slower, and it refuses scenes that hold more.
+        ``native`` is the engine, in C. ``reference`` is the published system alone, in plain Python to be read: it
+        is far slower, and it refuses scenes that hold more.
 
     Returns
     -------
