@@ -2,8 +2,8 @@
 
 ``python -m benchmarks.flavours PYTHON.fmu NATIVE.fmu`` winds the trip of the 120 m rope's hoist with
 each, without reports, and prints by how much end forces and loops differ.  Both compute torsion, on
-the mesh and with the tolerance of the level LEVEL: the reference rope takes tens of milliseconds for
-a step.
+the mesh and with the tolerance of the level LEVEL: the reference rope takes milliseconds for a
+step.
 """
 
 import argparse

@@ -14,7 +14,7 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from rope_model import BalanceRope, EndMotion, Model, Scene, Solver, Status, balance_rope
-from rope_model.rules.state import Event
+from rope_model.state import Event
 
 Array = NDArray[np.float64]
 H = 0.01  # s, communication step

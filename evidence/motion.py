@@ -32,7 +32,7 @@ from hoist_demo.calibration.identify import residuals_of, stacked
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.files.reading import read
 from rope_model import EndMotion, PointForces, Scene, balance_rope
-from rope_model.rules.point_forces import NO_FORCES, at_places, elements_at
+from rope_model.boundary.point_forces import NO_FORCES, at_places, elements_at
 
 Array = NDArray[np.float64]
 RATE = 100.0  #: Hz

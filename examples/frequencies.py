@@ -20,7 +20,7 @@ def frequencies(length: float) -> tuple[float, float]:
     status = rope.initialize(0.0, EndMotion(), EndMotion())
     if not status.valid:
         raise RuntimeError(status.message)
-    rope.let_turn()  # a rope that has just been hung has its swivels locked
+    rope.release_free_swivels()  # a rope that has just been hung has its swivels locked
     modes = natural_modes(rope)
     out = modes.out_of_plane > 0.5
     return float(modes.frequencies[out][0]), float(modes.frequencies[~out][0])

@@ -36,7 +36,7 @@ def followed(rope: BalanceRope) -> list[dict[str, float]]:
 
 
 scene = rope_120().scene
-# a rope of 60 m: the reference takes tens of milliseconds for a step
+# a rope of 60 m: the reference takes milliseconds for a step
 scene = scene.with_(rope=replace(scene.rope, length=60.0))
 scene = scene.with_(model=replace(scene.model, fidelity="torsional"))
 engine = followed(balance_rope(scene))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from fmu_src.interface import Variable
 from fmu_src.profile import DESCRIPTIONS
-from rope_model.rules.neglected_effects import EFFECTS
+from rope_model.fidelity.neglected_effects import EFFECTS
 from rope_model.texts import html_text
 
 _PAGES = Path(__file__).resolve().parent / "pages"

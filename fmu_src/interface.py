@@ -1,6 +1,6 @@
 """Table of the FMI variables, the source of XML, documentation and component.
 
-Parameters are those of rope_model.scene_names, outputs those of rope_model.rules.signal_table.
+Parameters are those of rope_model.scene_names, outputs those of rope_model.signals.signal_table.
 """
 
 import dataclasses
@@ -8,13 +8,14 @@ from collections.abc import Iterator, Mapping
 from itertools import product
 from typing import Literal
 
+from rope_model.boundary.end_paths import EndMotion
 from rope_model.cases import ROPE_CASES, Level, RopeCase
 from rope_model.parameter_table import numeric_bounds, parameters_of
 from rope_model.parameters import Scene
-from rope_model.rules.end_paths import SIDES, EndMotion
-from rope_model.rules.signal_table import SIGNALS
+from rope_model.physics.node import SIDES
 from rope_model.scene_names import Value, named_parameters, with_values
 from rope_model.scene_names import Variable as Variable
+from rope_model.signals.signal_table import SIGNALS
 
 Kind = Literal["Real", "Integer", "Boolean", "String"]
 

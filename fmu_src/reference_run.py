@@ -11,10 +11,10 @@ from itertools import product
 
 from fmu_src.interface import MOTION, variables
 from fmu_src.xml import node, xml_bytes
+from rope_model.boundary.end_paths import EndMotion
 from rope_model.cases import RopeCase
 from rope_model.codegen.build import NoEngine
 from rope_model.public import balance_rope
-from rope_model.rules.end_paths import EndMotion
 
 H = 0.01  #: s, communication step
 STEPS = 100  #: of the native flavour

@@ -106,9 +106,8 @@ def _temporary_cache(temporary: Path) -> Path:
     seen = folder.lstat()
     if stat.S_ISDIR(seen.st_mode) and seen.st_uid == user and not seen.st_mode & 0o022:
         return folder
-    return Path(
-        tempfile.mkdtemp(prefix="balance-rope-", dir=temporary)
-    )  # somebody else has taken the name
+    # somebody else has taken the name
+    return Path(tempfile.mkdtemp(prefix="balance-rope-", dir=temporary))
 
 
 def compile_library(

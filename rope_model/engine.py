@@ -12,23 +12,24 @@ from typing import Any, NamedTuple, cast, get_args, get_origin, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
+from rope_model.boundary.end_paths import EndMotion
+from rope_model.boundary.point_forces import NO_FORCES, PointForces
 from rope_model.codegen import state_structures as layout
 from rope_model.codegen.build import failed, library
 from rope_model.codegen.structures import scene_structure
+from rope_model.fidelity.choice import Fidelity
 from rope_model.interface import BalanceRope, Snapshot, Status, state_in
 from rope_model.messages import messages
+from rope_model.method.generalized_alpha import Motion
+from rope_model.method.partition import Partition
+from rope_model.method.swivel_phases import Phase
 from rope_model.parameters import Scene
 from rope_model.physics.element import NODE_DOF
-from rope_model.rules.end_paths import SIDES, EndMotion
-from rope_model.rules.fidelity import Fidelity
-from rope_model.rules.generalized_alpha import Motion
-from rope_model.rules.partition import Partition
-from rope_model.rules.point_forces import NO_FORCES, PointForces
-from rope_model.rules.result_warnings import WARNINGS
-from rope_model.rules.signal_table import SIGNALS, checked_names
-from rope_model.rules.state import NO_HYSTERESIS, Event, Powers, RopeState
-from rope_model.rules.swivel_phases import Phase
+from rope_model.physics.node import SIDES
+from rope_model.signals.signal_table import SIGNALS, checked_names
 from rope_model.solver_parameters import FidelityChoice
+from rope_model.state import NO_HYSTERESIS, Event, Powers, RopeState
+from rope_model.warnings.result_warnings import WARNINGS
 
 _MOTIONS = struct.Struct(f"{2 * len(EndMotion.__dataclass_fields__)}d")
 _SWITCHES = ("sticks", "slips +", "slips -")
@@ -82,9 +83,8 @@ class ChainMatrix(NamedTuple):
     """Symmetric matrix of a chain whose nodes couple with their neighbours only."""
 
     nodes: NDArray[np.float64]  #: (nodes, 7, 7), blocks on the diagonal
-    next: NDArray[
-        np.float64
-    ]  #: (elements, 7, 7), blocks of each node (rows) with the next (columns)
+    #: (elements, 7, 7), blocks of each node (rows) with the next (columns)
+    next: NDArray[np.float64]
 
 
 @cache
@@ -120,7 +120,7 @@ def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
         "rope_linear_facts": (None, (rope, POINTER(LinearFactsStructure))),
         "rope_frames": (None, (rope, c_void_p)),
         "rope_tangent": (None, (rope, POINTER(c_double), c_void_p, c_void_p)),
-        "rope_let_turn": (c_int, (rope,)),
+        "rope_release_free_swivels": (c_int, (rope,)),
         "rope_state_bytes": (c_size_t, (rope,)),
         "rope_restore": (c_int, (rope, c_char_p, c_size_t)),
     }
@@ -309,9 +309,9 @@ class NativeRope(BalanceRope):
         )
         return matrix
 
-    def let_turn(self) -> Status:
-        """Let the free swivels of a rope that has just been hung turn until it is at rest; others hold."""
-        return self.status_of(self._lib.rope_let_turn(self._rope))
+    def release_free_swivels(self) -> Status:
+        """Release the free swivels of a rope that has just been hung, and bring it to rest; others hold."""
+        return self.status_of(self._lib.rope_release_free_swivels(self._rope))
 
     def warnings(self) -> dict[str, str]:
         self._require_state()

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rope_model.boundary.end_paths import EndMotion
+from rope_model.boundary.point_forces import PointForces
+from rope_model.fidelity.choice import Fidelity
 from rope_model.parameters import Scene
-from rope_model.rules.end_paths import EndMotion
-from rope_model.rules.fidelity import Fidelity
-from rope_model.rules.point_forces import PointForces
-from rope_model.rules.signal_table import checked_names
-from rope_model.rules.state import RopeState
 from rope_model.scene_names import named_parameters
+from rope_model.signals.signal_table import checked_names
+from rope_model.state import RopeState
 
 
 @dataclass(frozen=True)

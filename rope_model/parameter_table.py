@@ -54,9 +54,8 @@ class CrossCheck(NamedTuple):
     what: str
     bound: str  # with {} or {:.4g} for a number
     cure: str
-    formula: Callable[
-        [Any], tuple[Any, ...]
-    ]  # x -> conditions, the value, and the number in the bound, if any
+    # x -> conditions, the value, and the number in the bound, if any
+    formula: Callable[[Any], tuple[Any, ...]]
 
 
 class Bounds(NamedTuple):

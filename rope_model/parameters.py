@@ -84,9 +84,8 @@ class Rope(ParameterGroup):
         "growth of that moment with the tension, over the diameter [assumed]",
         Bounds(0.0, 1.0, "use 0 for a moment that does not depend on the tension"),
     )
-    rhoJ: float = parameter(
-        1.94e-3, "kg.m", "polar mass moment per length [assumed]", _POSITIVE
-    )  # rho d^2/8
+    # rho d^2/8
+    rhoJ: float = parameter(1.94e-3, "kg.m", "polar mass moment per length [assumed]", _POSITIVE)
     c2: float = parameter(
         0.0,
         "1",
@@ -169,9 +168,8 @@ class Rope(ParameterGroup):
     @property
     def Qe(self) -> float:
         """Growth of the torsional stiffness per axial strain, N m^2."""
-        return (
-            self.c2 * (self.diameter * self.diameter) * self.Qa
-        )  # as C: libm's square may differ in the last bit
+        # as C: libm's square may differ in the last bit
+        return self.c2 * (self.diameter * self.diameter) * self.Qa
 
     @property
     def Qk(self) -> float:

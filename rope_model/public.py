@@ -4,19 +4,17 @@ import logging
 from typing import Literal, get_args
 
 from rope_model.analysis.neighbours import Account, Contacts, Neighbours
+from rope_model.boundary.bodies import BODIES
+from rope_model.boundary.end_paths import EndMotion
+from rope_model.boundary.point_forces import PointForces
 from rope_model.cases import ROPE_CASES, Level, RopeCase, at_level, rope_120, rope_240
 from rope_model.catalogue import BEARINGS, CONSTRUCTIONS, Datum, DatumStatus, KnownRope, rope
 from rope_model.engine import NativeRope
+from rope_model.fidelity.choice import FIDELITIES
+from rope_model.fidelity.neglected_effects import Effect, neglected_effects, neglected_text
 from rope_model.interface import BalanceRope, Snapshot, Status
 from rope_model.parameters import CHOICES, Layout, Rope, Scene, Swivel
-from rope_model.rules.bodies import BODIES
-from rope_model.rules.end_paths import EndMotion
-from rope_model.rules.fidelity import FIDELITIES
-from rope_model.rules.neglected_effects import Effect, neglected_effects, neglected_text
-from rope_model.rules.point_forces import PointForces
-from rope_model.rules.signal_table import CAUSES as GUARD_CAUSES
-from rope_model.rules.signal_table import SIGNALS, Signal
-from rope_model.rules.state import RopeState
+from rope_model.physics.node import SIDES
 from rope_model.shaft_parameters import (
     FAR,
     Air,
@@ -29,7 +27,10 @@ from rope_model.shaft_parameters import (
     Shaft,
     Sump,
 )
+from rope_model.signals.signal_table import CAUSES as GUARD_CAUSES
+from rope_model.signals.signal_table import SIGNALS, Signal
 from rope_model.solver_parameters import Accuracy, Inputs, Mesh, Model, Solver, Stations
+from rope_model.state import RopeState
 
 __all__ = [
     "BEARINGS",
@@ -40,6 +41,7 @@ __all__ = [
     "FIDELITIES",
     "GUARD_CAUSES",
     "ROPE_CASES",
+    "SIDES",
     "SIGNALS",
     "Account",
     "Accuracy",
@@ -99,8 +101,8 @@ def balance_rope(scene: Scene, form: Form = "native") -> BalanceRope:
     scene : Scene
         Rope, layout, swivels, mesh, solver and surroundings, in SI units.
     form : {"native", "reference"}
-        ``native`` is the engine, in C. ``reference`` is the published system alone, in plain Python to be read: a
-        hundred times slower, and it refuses scenes that hold more.
+        ``native`` is the engine, in C. ``reference`` is the published system alone, in plain Python to be read: it
+        is far slower, and it refuses scenes that hold more.
 
     Returns
     -------

@@ -13,8 +13,8 @@ from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import Layout, Model, Scene, Swivel
 from rope_model.cases import rope_120, rope_240
+from rope_model.fidelity import fidelity_rules
 from rope_model.physics.estimates import Travel, lean_error, longitudinal_error
-from rope_model.rules import fidelity_rules
 from rope_model.solver_parameters import FidelityChoice
 
 P120 = rope_120()

@@ -6,8 +6,8 @@ from evidence.contact.brush import FINEST, HEIGHTS, MESHES, STIFFNESS, orders, p
 from evidence.rendering import number, quantity, render
 from evidence.ropes import at_rest
 from evidence.tables import Table, Tables, records
+from rope_model.method import mesh_fit, mesh_pattern
 from rope_model.parameters import Rope, Scene
-from rope_model.rules import mesh_fit, mesh_pattern
 from rope_model.shaft_parameters import Shaft
 from rope_model.solver_parameters import Model
 

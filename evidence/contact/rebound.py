@@ -16,6 +16,7 @@ from scipy.optimize import brentq
 
 from evidence.statics import OUT_OF_PLANE, held, rod, with_element
 from evidence.tables import Array
+from rope_model.boundary.bodies import FLOOR
 from rope_model.parameters import Rope
 from rope_model.physics import shaft
 from rope_model.physics.contact_element import CONTACT_BALANCE, LAW
@@ -23,7 +24,6 @@ from rope_model.physics.element import BALANCE, ElementFunctions
 from rope_model.physics.rope_element import rope_element
 from rope_model.reference.equations import Equations, of_elements
 from rope_model.reference.generalized_alpha import restart, step
-from rope_model.rules.bodies import FLOOR
 from rope_model.shaft_parameters import Contact, Sump
 
 #: m of rope, in so many elements, and the gap below it

@@ -12,8 +12,8 @@ from evidence.exudyn.runs import UNCOUPLED, Run, exudyn, hanging_shape, measure_
 from evidence.ropes import require
 from evidence.tables import Measures, Tables, table
 from rope_model.analysis.modes import natural_modes
+from rope_model.boundary.end_paths import EndMotion
 from rope_model.engine import NativeRope
-from rope_model.rules.end_paths import EndMotion
 from rope_model.solver_parameters import Mesh, Model
 
 ROUNDS = 3  # s

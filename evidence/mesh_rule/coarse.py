@@ -2,7 +2,7 @@
 
 On elements longer than some .7 w, w = (EI / rho g)^(1/3), the loop slips aside and turns by which node hangs lowest.
 Prints the largest error of its place over the law of the loop, and of its yaw over x = element / w, of all places of
-the nodes: on ropes of the seed that the constants of physics.accuracy come from, and of the judge's.
+the nodes: on ropes of the seed that the constants of method.mesh_error come from, and of the judge's.
 """
 
 from dataclasses import replace
@@ -15,7 +15,7 @@ from evidence.mesh_rule.scenes import FIT, JUDGE, Sample, draw
 from evidence.ropes import at_rest
 from evidence.tables import Array
 from rope_model import EndMotion, Mesh, Model, Scene
-from rope_model.physics.accuracy import locking_error
+from rope_model.method.mesh_error import locking_error
 from rope_model.physics.estimates import bending_length
 
 #: x tried, places of the nodes within an element, ropes, the longest of them (m) and the shortest

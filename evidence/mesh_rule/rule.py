@@ -9,8 +9,8 @@ from evidence.mesh_rule import laws
 from evidence.mesh_rule.laws import Laws
 from evidence.mesh_rule.scenes import JUDGE, draw
 from evidence.tables import Array, Table
+from rope_model.method.mesh_fit import FADE_ERROR, MAX_LENGTH, NATURAL_RADIUS, fit_lengths
 from rope_model.physics.elementary import sqrt
-from rope_model.rules.mesh_fit import FADE_ERROR, MAX_LENGTH, NATURAL_RADIUS, fit_lengths
 from rope_model.solver_parameters import Mesh
 
 #: ropes: the rule itself costs nothing

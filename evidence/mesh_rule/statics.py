@@ -10,8 +10,8 @@ from evidence.mesh_rule.scenes import Sample
 from evidence.tables import Array, Table, table
 from rope_model import EndMotion
 from rope_model.engine import NativeRope
-from rope_model.rules.mesh_fit import LEG_WAVES
-from rope_model.rules.partition import Partition
+from rope_model.method.mesh_fit import LEG_WAVES
+from rope_model.method.partition import Partition
 from rope_model.solver_parameters import Mesh
 
 #: over (EI / rho g)^(1/3): loop elements tried, those of the reference, and those where something else is tried

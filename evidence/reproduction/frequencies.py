@@ -51,7 +51,7 @@ def modes(height: float) -> dict[str, tuple[Array, Array]]:
     )
     require(rope.initialize(0.0, EndMotion(y=0.5 * height), EndMotion(y=-0.5 * height)))
     # one end that turns is enough to free the rope of torsion; two would let it spin as a whole
-    require(rope.let_turn())
+    require(rope.release_free_swivels())
     s = arc_lengths(rope.state.partition.lengths)
     found = {}
     lowest = natural_modes(rope, 14)

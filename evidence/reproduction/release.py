@@ -11,8 +11,7 @@ from evidence.tables import Array, Tables, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import BalanceRope, Scene, Swivel, rope_240
-from rope_model.physics.node import ANGLE
-from rope_model.rules.end_paths import SIDES
+from rope_model.physics.node import ANGLE, SIDES
 
 RELEASE = 20.0  # s
 END = 45.0  # s

@@ -6,9 +6,9 @@ from evidence.claims import above, below
 from evidence.ropes import at_rest, follow, smooth_step
 from evidence.stability.counterexamples import modified_element, tait_bryan_rate
 from evidence.stability.entry import Entry, Finding
+from rope_model.boundary.end_paths import EndMotion
 from rope_model.parameters import Rope, Scene
 from rope_model.public import Form
-from rope_model.rules.end_paths import EndMotion
 from rope_model.solver_parameters import Mesh, Solver
 
 # Tait-Bryan angles

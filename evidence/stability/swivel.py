@@ -13,11 +13,11 @@ from evidence.ropes import AT_ZERO, at_rest, require, smooth_step
 from evidence.stability.entry import Entry, Finding, points
 from evidence.tables import Array
 from rope_model import BalanceRope, EndMotion
+from rope_model.method.swivel_phases import Phase, SwivelState, swivel_friction
 from rope_model.parameters import Rope, Scene, Swivel
 from rope_model.reference.ends import onwards
 from rope_model.reference.generalized_alpha import restart, step
 from rope_model.reference.state import State
-from rope_model.rules.swivel_phases import Phase, SwivelState, swivel_friction
 from rope_model.solver_parameters import Mesh, Model
 
 LENGTH = 30.0  # m

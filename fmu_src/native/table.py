@@ -4,12 +4,12 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
 
-from fmu_src.interface import RATES, Variable
+from fmu_src.interface import MOTION, RATES, Variable
 from fmu_src.profile import arrays, scalars
-from rope_model.rules.end_paths import EndMotion
-from rope_model.rules.signal_table import LOADS, SIGNALS
+from rope_model.boundary.end_paths import EndMotion
 from rope_model.scene_names import Value, choices_of
 from rope_model.shaft_parameters import PARTS
+from rope_model.signals.signal_table import LOADS, SIGNALS
 from rope_model.texts import c_string
 
 _SOURCES = {"status.valid": "FROM_STATUS_VALID", "status.message": "FROM_STATUS_MESSAGE"}
@@ -75,7 +75,7 @@ def c_places(table: Sequence[Variable], fmi: int) -> str:
         rows.append("{NOWHERE, 0, -1}")
     includes = '#include "rope.h"\n#include "rope_table.h"\n'
     names = [v.name for v in table]
-    motions = [_places_of_motion(side, names) for side in ("left", "right")]
+    motions = [_places_of_motion(side, names) for side in MOTION]
     inputs = _array("const size_t ROPE_MOTIONS[2][END_MOTIONS]", motions)
     return "\n".join([_HEAD.rstrip(), includes, _array("const Place ROPE_PLACES[]", rows), inputs])
 

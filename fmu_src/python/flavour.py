@@ -10,7 +10,7 @@ from fmu_src.model_description import DESCRIPTION
 from rope_model.parameters import Scene
 from rope_model.reference.outputs import NAMES
 from rope_model.reference.scope import unpublished
-from rope_model.rules.signal_table import SIGNALS
+from rope_model.signals.signal_table import SIGNALS
 
 #: description of the model in modelDescription.xml
 PYTHON_DESCRIPTION = (

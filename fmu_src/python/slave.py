@@ -23,15 +23,15 @@ from fmu_src.interface import MOTION, case_with, variables
 from fmu_src.model_description import MODEL, Build, model_description
 from fmu_src.profile import Profile
 from fmu_src.python.flavour import PYTHON_DESCRIPTION, of_python, require_for_python
+from rope_model.boundary.end_paths import EndMotion
 from rope_model.interface import Status
-from rope_model.messages.warning_messages import extrapolated_too_far
+from rope_model.messages.rules import first_text
 from rope_model.parameters import Scene
 from rope_model.reference.outputs import group_of
 from rope_model.reference.rope import ReferenceRope
 from rope_model.reference.state import State
-from rope_model.rules.end_paths import EndMotion
-from rope_model.rules.warning_rules import MAX_EXTRAPOLATION
 from rope_model.scene_names import Value, with_values
+from rope_model.warnings.warning_rules import LONG_EXTRAPOLATION
 
 log = logging.getLogger(__name__)
 
@@ -173,14 +173,9 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     def warning(self, number: int) -> str:
         """Return the warning ``number``, or '' if it does not apply now."""
         assert number == 0
-        state = self._rope.state
-        path = state.paths[0]
-        h = path.stop - path.start
-        # the interval is the difference of two instants, whose rounding grows with them
-        too_long = state.counts.steps > 0 and h > 1.001 * MAX_EXTRAPOLATION
-        if self._at_step_end() or not too_long:
+        if self._at_step_end():
             return ""
-        return extrapolated_too_far(h, MAX_EXTRAPOLATION)
+        return first_text(LONG_EXTRAPOLATION, self._rope.scene, self._rope.state)
 
     # states
 

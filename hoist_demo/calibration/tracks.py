@@ -36,10 +36,10 @@ from scipy.spatial.transform import Rotation
 from hoist_demo.files.reading import Table, path_from_file
 from hoist_demo.files.values import Text
 from rope_model import EndMotion, Scene, balance_rope
+from rope_model.boundary import quintic
+from rope_model.boundary.point_forces import at_places, elements_at
 from rope_model.parameters import Attachment
-from rope_model.rules import quintic
-from rope_model.rules.end_paths import SIDES
-from rope_model.rules.point_forces import at_places, elements_at
+from rope_model.physics.node import SIDES
 
 Array = NDArray[np.float64]
 REST = 25  #: Samples at rest that are put before the file.

@@ -31,7 +31,6 @@ from hoist_demo.cosimulation.participants.library_calls import (
 )
 from hoist_demo.cosimulation.run_state import RunState
 from hoist_demo.cosimulation.schemes.interface import (
-    ENDS,
     HISTORY,
     ROPE_FORCES,
     SUCCESS,
@@ -45,7 +44,7 @@ from hoist_demo.drive.outputs import OUTPUT_INDEX, OUTPUTS
 from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.parameters import Coupling, Hoist
 from hoist_demo.recording.time_series import TIME
-from rope_model import EndMotion, Status
+from rope_model import SIDES, EndMotion, Status
 from rope_model.compiler import cache_folder, compile_library, find_compiler
 
 #: Ends of a call: well, before a sample that the host must process, or the part that has failed.
@@ -57,7 +56,7 @@ _NO_OUTPUT = -1  #: Place of a motion that the hoist does not have, as one that 
 #: Places in OUTPUTS of the motions of both ends.
 _ENDS = [
     OUTPUT_INDEX.get(f"{_OUTPUT_NAMES.get(name, name)}_{side}", _NO_OUTPUT)
-    for side, name in product(ENDS, _MOTIONS)
+    for side, name in product(SIDES, _MOTIONS)
 ]
 _MEMORY = ("arg", "res", "iw", "w")  #: Memory of a function of CasADi.
 _SIDES = slice(INPUT_NAMES.index("fx_left"), len(INPUT_NAMES))
@@ -100,7 +99,7 @@ _NUMBERS: dict[str, float] = {
     "OUTPUTS": len(OUTPUTS),
     "LAW_RESULTS": len(RESULTS),
     **{f"LAW_{name.upper()}": k for k, name in enumerate(RESULTS)},
-    **{f"{name.upper()}_WORK": WORK_NAMES.index(name) for name in ENDS},
+    **{f"{name.upper()}_WORK": WORK_NAMES.index(name) for name in SIDES},
     **{name.upper(): OUTPUT_INDEX[name] for name in ("y_left", "a_left", "pull_left", "rate")},
     **{name.upper(): ARGUMENTS.index(name) for name in ("travel", "speed", "integral")},
     **{f"AS_{name}": k for k, name in enumerate(FUNCTIONS)},

@@ -37,12 +37,10 @@ class Task:
     gains: Gains
     shaper: Shaper
     trajectory: TrajectoryOptions
-    nominal: Hoist | None = field(
-        default=None, kw_only=True
-    )  # hoist of the design; None: the one that is wound
-    start: float | None = field(
-        default=None, kw_only=True
-    )  # m, left conveyance before the trip; None: at a landing
+    # hoist of the design; None: the one that is wound
+    nominal: Hoist | None = field(default=None, kw_only=True)
+    # m, left conveyance before the trip; None: at a landing
+    start: float | None = field(default=None, kw_only=True)
 
     @property
     def start_height(self) -> float:

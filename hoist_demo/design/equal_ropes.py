@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 from scipy.linalg import null_space
 
 Array = NDArray[np.float64]
-Modes = tuple[
-    Array, Array
-]  #: Eigenvalues in ascending order, and vectors (coordinates, modes) of unit mass.
+#: Eigenvalues in ascending order, and vectors (coordinates, modes) of unit mass.
+Modes = tuple[Array, Array]
 Solver = Callable[[sp.csc_matrix, sp.csc_matrix], Modes]
 
 

@@ -156,7 +156,7 @@ def _rope(scene: Scene) -> NativeRope:
 def _hung(rope: NativeRope, left: EndMotion, right: EndMotion, speed: float = 0.0) -> LinearRope:
     status = rope.initialize(0.0, left, right)
     if status.valid:
-        status = rope.let_turn()
+        status = rope.release_free_swivels()
     if not status.valid:
         raise ValueError(
             f"rope at rest with left.y = {left.y:g} m and right.y = {right.y:g} m: {status.message}"

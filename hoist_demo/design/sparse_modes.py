@@ -19,9 +19,8 @@ Array = NDArray[np.float64]
 Progress = Callable[[float], None]  #: Hears which part of the band is done.
 #: Modes that one run of ARPACK finds: more take longer each, fewer need more factorisations.
 MAX_MODES_PER_RUN = 40
-_BEGIN = (
-    -0.1
-)  #: First lower bound of the eigenvalues [1/s^2], below the rounding of motions without stiffness.
+#: First lower bound of the eigenvalues [1/s^2], below the rounding of motions without stiffness.
+_BEGIN = -0.1
 _LOWER = 16.0  #: Factor by which the lower bound sinks while eigenvalues are below it.
 _NUDGE = 1e-7  #: Relative change of a shift that is an eigenvalue.
 _TRIES = 6  #: Shifts that are tried, and runs of ARPACK for one part.

@@ -61,9 +61,8 @@ def static_slip_safeties(hoist: Hoist, winding: Winding) -> list[StaticSlipSafet
     instants = []
     up = 1.0 if winding.travel > 0.0 else -1.0
     law = winding.emergency_law
-    full = (
-        hoist.brake if law in ("torque", "two-stage") else None
-    )  # nothing regulates it: the imbalance counts
+    # nothing regulates it: the imbalance counts
+    full = hoist.brake if law in ("torque", "two-stage") else None
     if full:
         stop = full.torque / hoist.sheave_radius / hoist.moving_mass
     else:

@@ -25,10 +25,11 @@ class SwingMode:
 
 def fit_swing(time: Array, x: Array) -> SwingMode | str:
     """Return the strongest mode of an evenly sampled record; else why there is none, in words."""
+    # as slow to load as all the rest of a demo
     from scipy.optimize import (
         OptimizeWarning,
         curve_fit,
-    )  # as slow to load as all the rest of a demo
+    )
 
     t = time - time[0]
     rest = x - np.polynomial.Polynomial.fit(t, x, 1)(t)

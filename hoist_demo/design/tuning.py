@@ -76,9 +76,10 @@ class SearchResult:
 
 def search(evaluate: Evaluate, dimensions: int, plan: Plan) -> SearchResult:
     """Minimise by a Latin hypercube and COBYQA from its best ``plan.searches`` points; return all points tried."""
+    # slow to load, as the methods of minimise: most studies search nothing
     from scipy.stats import (
         qmc,
-    )  # slow to load, as the methods of minimise: most studies search nothing
+    )
 
     points = qmc.LatinHypercube(d=dimensions, rng=np.random.default_rng(plan.seed)).random(
         plan.sample

@@ -69,7 +69,7 @@ def prepare(
     Raises RuntimeError if ``compiled`` is required and not available.
     """
     if form == "portable":
-        log.info("kernels: portable (CasADi virtual machine), as asked for")
+        log.info("kernels: portable (CasADi virtual machine), set by the caller")
         return list(functions), "portable"
     cause = "no C compiler found (tried CC, cc, gcc, clang and the ziglang package)"
     if (compiler := find_compiler()) is not None:

@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 from hoist_demo.parameters import SIDES
 
 Array = NDArray[np.float64]
+#: Motion of a conveyance in its guides.
 _LATERAL = (
     *("x", "vx", "ax"),
     *("z", "vz", "az"),
     *("yaw", "yaw_rate", "yaw_acceleration"),
-)  #: Motion of a conveyance in its guides.
+)
 
 OUTPUTS = (
     *("y_left", "y_right"),  # m, heights of the suspensions

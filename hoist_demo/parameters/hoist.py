@@ -22,7 +22,6 @@ from hoist_demo.parameters.quantity import NONNEGATIVE, Bounds, ValidatedData, p
 from rope_model.physics.elementary import Scalar, maximum, sum_of
 
 GRAVITY = 9.81  #: Acceleration of free fall [m/s^2].
-SIDES = ("left", "right")  #: Sides of a hoist: its conveyances, and the ends of its balance ropes.
 
 #: Said wherever results are shown.
 ASSUMED_DATA = (

@@ -7,9 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hoist_demo.recording.time_series import Array, Recording
-from rope_model import GUARD_CAUSES
-
-SIDES = ("left", "right")
+from rope_model import GUARD_CAUSES, SIDES
 
 
 class JamEvent(NamedTuple):

@@ -20,7 +20,7 @@ from hoist_demo.cosimulation.participants.rope_group import (
     RopeGroup,
     WholeRope,
 )
-from hoist_demo.cosimulation.schemes.interface import ENDS, RopePlant
+from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.files.registry import rope_parameters
 from hoist_demo.files.values import DERIVED, ParameterValue, values_of
 from hoist_demo.parameters import Hoist, hoist_with
@@ -31,7 +31,7 @@ from hoist_demo.recording.nearness import RopePair, pairs
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.run.data import RunData, fmu_part
 from hoist_demo.run.provenance import SourcedValue, rope_provenance
-from rope_model import Level, Neighbours, Scene
+from rope_model import SIDES, Level, Neighbours, Scene
 
 _ROPE_STIFFNESS = "contact.rope_stiffness"
 #: First parts of other signals' names: a rope's signals begin with its name.
@@ -209,7 +209,7 @@ def _require_distinct_places(ropes: Sequence[OneRope]) -> None:
         if rope.scene.model.fidelity not in ("torsional", "spatial")
     )
     for one, other in combinations(ropes, 2):
-        distance = min(math.dist(one.suspension.at(end), other.suspension.at(end)) for end in ENDS)
+        distance = min(math.dist(one.suspension.at(end), other.suspension.at(end)) for end in SIDES)
         required_distance = 0.5 * (one.scene.rope.diameter + other.scene.rope.diameter)
         if distance < required_distance:
             problems.append(

@@ -30,10 +30,11 @@ if TYPE_CHECKING:
 
 Units = Mapping[str, str]
 _log = logging.getLogger(__name__)
+#: Keys of an outcome in a record.
 _OUTCOME = {one.name for one in fields(Outcome)} - {
     "signals",
     "units",
-}  #: Keys of an outcome in a record.
+}
 SEPARATOR = " | "  #: Between the warnings of a run in the table.
 _NUMBER = re.compile(r"\d[\d.e+-]*")
 

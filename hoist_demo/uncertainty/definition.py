@@ -29,9 +29,8 @@ from rope_model.scene_names import choices_of
 MEASURES = ("clearance", "loop_yaw", "left_swivel_torque", "rope_force_ripple")
 
 
-TORSIONAL = choices_of("model.fidelity").index(
-    "torsional"
-)  #: Code of the model that yaw and torques need.
+#: Code of the model that yaw and torques need.
+TORSIONAL = choices_of("model.fidelity").index("torsional")
 _COUPLING = ("rope.Qb", "rope.Qc")  #: Parameters whose sign is that of the lay.
 Drawn = Value | ParameterValue
 

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from rope_model.arrays import Array
-from rope_model.rules.newton import CG_MAX_STEPS, CG_TOLERANCE
+from rope_model.method.newton import CG_MAX_STEPS, CG_TOLERANCE
 
 
 def conjugate_gradients(

@@ -30,14 +30,13 @@ from rope_model.analysis import chain_matrices
 from rope_model.analysis.element_data import ElementData, element_data, of_elements, to_nodes
 from rope_model.arrays import Array
 from rope_model.engine import LinearFacts, NativeRope
+from rope_model.fidelity.fidelity_rules import not_plumb
+from rope_model.method.swivel_phases import Phase
 from rope_model.physics.element import NODE_DOF, PARAMETERS
 from rope_model.physics.frame import conveyance_load
 from rope_model.physics.hermite import GAUSS, bend, node_values
-from rope_model.physics.node import ANGLE, arc_lengths
+from rope_model.physics.node import ANGLE, SIDES, arc_lengths
 from rope_model.physics.rope_element import Features, rope_element
-from rope_model.rules.end_paths import SIDES
-from rope_model.rules.fidelity_rules import not_plumb
-from rope_model.rules.swivel_phases import Phase
 
 #: outputs of an end
 _LOADS = ("fx", "fy", "fz", "mx", "my", "mz")

@@ -40,11 +40,11 @@ from rope_model.analysis.pair_contact import (
     rows_of,
 )
 from rope_model.arrays import Array
+from rope_model.boundary.point_forces import NO_FORCES, PointForces
 from rope_model.interface import BalanceRope
+from rope_model.method.generalized_alpha import Coefficients
 from rope_model.parameter_table import require
 from rope_model.parameters import Scene
-from rope_model.rules.generalized_alpha import Coefficients
-from rope_model.rules.point_forces import NO_FORCES, PointForces
 
 ITERATIONS = 15  #: largest number of Newton iterations
 TOLERANCE = 1e-4  #: error of the law over the sum of the forces

@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rope_model.arrays import Array
+from rope_model.boundary.point_forces import at_places, elements_at
 from rope_model.interface import BalanceRope
 from rope_model.parameters import Scene
 from rope_model.physics import hermite, rope_contact
 from rope_model.physics.centreline import enclosing_box
-from rope_model.rules.point_forces import at_places, elements_at
 
 #: number of points in a group, which is first checked by its middle
 GROUP = 16

@@ -4,7 +4,7 @@ from typing import Any
 
 import casadi as ca
 
-from rope_model.rules.input_filter import filter_path, filter_sample
+from rope_model.boundary.input_filter import filter_path, filter_sample
 
 
 def path_change(

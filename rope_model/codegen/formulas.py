@@ -5,10 +5,27 @@ from itertools import accumulate
 from types import ModuleType
 from typing import Any
 
+from rope_model.boundary import bodies, end_conditions, end_paths, input_filter, input_misfit
+from rope_model.boundary.end_paths import EndMotion, EndPath
+from rope_model.boundary.input_filter import InputFilter, filter_sample
 from rope_model.codegen.derivatives import path_change
+from rope_model.method import (
+    audit,
+    events,
+    generalized_alpha,
+    mesh_fit,
+    mesh_pattern,
+    newton,
+    sampling,
+    statics,
+    step_control,
+    step_errors,
+    stepping,
+    swivel_phases,
+)
+from rope_model.method.audit import Audit
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics import (
-    accuracy,
     air,
     air_element,
     centreline,
@@ -35,29 +52,9 @@ from rope_model.physics import (
     wire_friction,
 )
 from rope_model.physics.energy_balance import EnergyBalance
-from rope_model.rules import (
-    audit,
-    bodies,
-    end_conditions,
-    end_paths,
-    events,
-    generalized_alpha,
-    input_filter,
-    input_misfit,
-    mesh_fit,
-    mesh_pattern,
-    newton,
-    sampling,
-    statics,
-    stepping,
-    swivel_phases,
-    warning_rules,
-)
-from rope_model.rules.audit import Audit
-from rope_model.rules.end_paths import EndMotion, EndPath
-from rope_model.rules.input_filter import InputFilter, filter_sample
 from rope_model.shaft_parameters import FAR, PARTS
 from rope_model.solver_parameters import Solver
+from rope_model.warnings import warning_rules
 
 AIR_NUMBERS = air_element.COEFFICIENTS_SIZE
 #: C function -> formula.  An untyped parameter is a number, an array of numbers, or the structure
@@ -91,7 +88,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "hermite_integral(l, r1, s1, r2, s2)": hermite.integral,
     "hermite_integral_to(xi, l, r1, s1, r2, s2)": hermite.integral_to,
     "sample_s(bottom_s, reach, fraction, loop)": centreline.sample_s,
-    "least_squared_distance(a[6], b[6])": centreline.least_squared_distance,
+    "min_squared_distance(a[6], b[6])": centreline.min_squared_distance,
     "squared_distance(point[3], start[3], along[3])": centreline.squared_distance,
     "void middle_of(length, a[6], b[6], middle[6])": centreline.middle,
     "void position_at(xi, length, a[6], b[6], point[3])": centreline.position_at,
@@ -104,10 +101,10 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "line_yaw(left[3], right[3])": centreline.line_yaw,
     "void plane_between(left[3], right[3], start[3], direction[2], normal[3])": centreline.plane_between,
     "side_gap(side, length, outer[6], inner[6], top, start[3], normal[3], diameter, above)": centreline.side_gap,
-    "least_advance(length, a[6], b[6], direction[2])": centreline.least_advance,
+    "min_slope(length, a[6], b[6], direction[2])": centreline.min_slope,
     "angle_between(before[2], after[2])": centreline.angle_between,
     "body_distance(point[3], body)": shaft.distance,
-    "body_least_distance(point[3], extent[3], body)": shaft.least_distance,
+    "body_min_distance(point[3], extent[3], body)": shaft.min_distance,
     "ContactTerms contact_law(contact, diameter, body, body_v[3], point[3], v[3], cq, cv)": contact.contact_law,
     "Probe contact_probe(xi, l, a[6], b[6], diameter, body)": contact_points.probe,
     "contact_turning(Probe start, Probe stop)": contact_points.turning,
@@ -168,23 +165,23 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "Bracket narrowed(bracket, x, value)": events.narrowed,
     "lacks_symmetry(Qs, Qk)": statics.lacks_symmetry,
     "relaxation(change, last)": statics.relaxation,
-    "StepLimits step_limits(scene, ErrorSums sums, s, end_speed, error_constant)": accuracy.step_limits,
+    "StepLimits step_limits(scene, ErrorSums sums, s, end_speed, error_constant)": step_control.step_limits,
     "ErrorSums add_errors(scene, ErrorSums sums, s, end_speed, h, constant, strain_tt[2], position, force)": (
-        accuracy.add_errors
+        step_errors.add_errors
     ),
-    "step_error(StepLimits limits, h, position_error, strain_error)": accuracy.step_error,
-    "NextStep next_step(solver, h, step_next, error, rejected, t, calm_since)": accuracy.next_step,
+    "step_error(StepLimits limits, h, position_error, strain_error)": step_control.step_error,
+    "NextStep next_step(solver, h, step_next, error, rejected, t, calm_since)": step_control.next_step,
     "max_iterations(interval, step_max)": stepping.max_iterations,
-    "substeps(interval, step_next, steps_left)": accuracy.substeps,
-    "effective_tolerance(newton_tolerance, work_max, bounded_tolerance)": accuracy.effective_tolerance,
+    "substeps(interval, step_next, steps_left)": step_control.substeps,
+    "effective_tolerance(newton_tolerance, work_max, bounded_tolerance)": newton.effective_tolerance,
     "ContactSums add_contact(scene, ContactSums sums, h, pressures[6], longest)": contact_error.add_contact,
     "contact_error(ContactSums sums)": contact_error.contact_error,
     "add_contact_end_error(error, ContactSums sums, time, force)": contact_error.add_contact_end_error,
     "add_contact_loop_error(scene, error, ContactSums sums)": contact_error.add_contact_loop_error,
-    "end_force_error(rope, ErrorSums sums)": accuracy.end_force_error,
+    "end_force_error(rope, ErrorSums sums)": step_errors.end_force_error,
     "add_misfit_error(error, ErrorSums sums, InputFilter left, InputFilter right)": input_misfit.add_misfit_error,
     "add_drift_error(error, InputFilter left, InputFilter right)": input_misfit.add_drift_error,
-    "loop_error(scene, ErrorSums sums, l, grading_length)": accuracy.loop_error,
+    "loop_error(scene, ErrorSums sums, l, grading_length)": step_errors.loop_error,
     "tension_along(sense, d[3], force[3])": swivel.tension_along,
     "friction_moment(mu, mean_diameter, seal_moment, tension)": swivel.friction_moment,
     "void end_load(q[7], f[7], torque, load[6])": audit.end_load,
@@ -216,8 +213,8 @@ DEFINED_HERE: tuple[type[Any], ...] = (
         events.Bracket,
         mesh_fit.FittedMesh,
         generalized_alpha.Coefficients,
-        accuracy.StepLimits,
-        accuracy.NextStep,
+        step_control.StepLimits,
+        step_control.NextStep,
     ),
 )
 #: structures that a formula may take or return
@@ -227,7 +224,7 @@ STRUCTURES: dict[str, type[Any]] = {
         *(Rope, Layout, Scene, Solver, *PARTS.values(), EndMotion),
         *(
             EnergyBalance,
-            accuracy.ErrorSums,
+            step_errors.ErrorSums,
             contact_error.ContactSums,
             Audit,
             guard.GuardState,
@@ -238,9 +235,10 @@ STRUCTURES: dict[str, type[Any]] = {
 } | {"Path": EndPath}
 #: constants of formulas and control flow: prefix of their names in C, module, names
 _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
-    ("", accuracy, "ACCEPT_BELOW STEP_ITERATIONS BOUNDED_STEP_ERROR BOUNDED_MESH_ERROR"),
+    ("", step_control, "ACCEPT_BELOW"),
+    ("", newton, "STEP_ITERATIONS BOUNDED_STEP_ERROR BOUNDED_MESH_ERROR"),
     ("", stepping, "RELAXATION_TIME"),
-    ("", contact, "CONTACT_MARGIN OWN_LENGTH"),
+    ("", contact, "CONTACT_MARGIN UNCHECKED_LENGTH"),
     ("", curved_element, "CURVATURE_SIZE"),
     ("", sampling, "PIECES FINE OUTLINE"),
     ("", element, "FRAME_SIZE"),
@@ -278,7 +276,7 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     "PARAMETERS": len(element.PARAMETERS),
     "AIR_COEFFICIENTS": AIR_NUMBERS,
     "AIR_SIZE": air_element.AIR_SIZE,
-    "BALANCE": element.BALANCE.index("damping_power"),
+    "BALANCE": element.FIRST_POWER,
     "MOMENTUM": len(element.MOMENTUM),
     "STRAINS": len(element.STRAINS),
     "AIR_BALANCE": len(air_element.AIR_BALANCE),

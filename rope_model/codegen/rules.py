@@ -17,23 +17,25 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hint
 
 import casadi as ca
 
+from rope_model.boundary.bodies import NO_ROOM, may_touch, min_body_thickness
+from rope_model.boundary.end_paths import EndMotion
+from rope_model.boundary.input_filter import InputFilter
 from rope_model.codegen.expressions import statements, texts_of
 from rope_model.codegen.messages import texts
 from rope_model.codegen.state_structures import PatternStructure, StateStructure
 from rope_model.codegen.tables import Word, constant
+from rope_model.fidelity import fidelity_rules
 from rope_model.messages.rules import Rules
 from rope_model.messages.text import Template
+from rope_model.method import mesh_pattern, swivel_phases
+from rope_model.method.swivel_phases import SwivelState
 from rope_model.parameters import Scene, Swivel
 from rope_model.physics.expressions import no_simplification
-from rope_model.rules import fidelity_rules, mesh_pattern, swivel_phases, warning_rules
-from rope_model.rules.bodies import NO_ROOM, least_passage, may_touch
-from rope_model.rules.end_paths import EndMotion
-from rope_model.rules.input_filter import InputFilter
-from rope_model.rules.result_warnings import WARNINGS
-from rope_model.rules.state import RopeState
-from rope_model.rules.state_signals import remembered
-from rope_model.rules.swivel_phases import SwivelState
 from rope_model.shaft_parameters import Shaft
+from rope_model.signals.state_signals import remembered
+from rope_model.state import RopeState
+from rope_model.warnings import warning_rules
+from rope_model.warnings.result_warnings import WARNINGS
 
 #: rules of each warning that numbers decide
 NUMERIC_WARNINGS = {
@@ -53,7 +55,7 @@ TABLES: dict[str, Rules] = NUMERIC_WARNINGS | {
 }
 #: conditions and numbers
 NUMBERS: tuple[Callable[..., Any], ...] = (
-    *(may_touch, least_passage),
+    *(may_touch, min_body_thickness),
     *(fidelity_rules.carries_torque, fidelity_rules.out_of_plane, fidelity_rules.held_input),
     *(fidelity_rules.not_plumb, fidelity_rules.unsupported_input),
     *(warning_rules.leaves_out, warning_rules.yawed_far_at_rest),
@@ -114,7 +116,7 @@ def rules_code() -> str:
 
 
 def state_signals() -> str:
-    """Return the text of state_signals.h: the signals of rules.state_signals."""
+    """Return the text of state_signals.h: the signals of signals.state_signals."""
     values = remembered(_members_at(StateStructure, "state->"))
     with no_simplification():
         lines, texts = texts_of([*values.values()])
@@ -122,7 +124,7 @@ def state_signals() -> str:
         f"values[{constant(name)}] = {text};" for name, text in zip(values, texts, strict=True)
     ]
     return (
-        "/* Generated from rope_model.rules.state_signals by rope_model.codegen.rules. */\n"
+        "/* Generated from rope_model.signals.state_signals by rope_model.codegen.rules. */\n"
         "static void state_signals(Simulator *sim, double *values) {\n    const State *state = sim->state;\n"
         f"{''.join(f'    {line}{chr(10)}' for line in lines)}}}\n"
     )

@@ -12,11 +12,11 @@ from itertools import pairwise, product
 from math import prod
 from typing import Any, get_args, get_origin, get_type_hints
 
+from rope_model.method.mesh_pattern import NO_DIVIDERS
+from rope_model.method.swivel_phases import CHATTER_EVENTS, Phase, SwivelState
 from rope_model.physics.guard import CAUSES
 from rope_model.physics.shaft import KINDS
-from rope_model.rules.mesh_pattern import NO_DIVIDERS
-from rope_model.rules.state import NO_HYSTERESIS, Counts, RopeState
-from rope_model.rules.swivel_phases import CHATTER_EVENTS, Phase, SwivelState
+from rope_model.state import NO_HYSTERESIS, Counts, RopeState
 
 MESSAGE = 512  #: bytes of a message
 SEGMENTS = 7  #: segments of TMN-ETM

@@ -8,9 +8,9 @@ import ctypes
 from dataclasses import fields
 from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
+from rope_model.boundary.end_paths import EndMotion
 from rope_model.parameters import GROUPS as GROUPS_BY_NAME
 from rope_model.parameters import Scene, Swivel
-from rope_model.rules.end_paths import EndMotion
 from rope_model.shaft_parameters import PARTS, Shaft
 
 #: cache of the parameters' types by data class

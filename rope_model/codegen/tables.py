@@ -7,6 +7,8 @@ from typing import Any, get_args
 
 import casadi as ca
 
+from rope_model.boundary.bodies import BODIES
+from rope_model.boundary.end_paths import MOTION_BOUNDS
 from rope_model.codegen.expressions import texts_of
 from rope_model.codegen.formula_functions import structure_at
 from rope_model.codegen.state_structures import structure_code
@@ -17,19 +19,18 @@ from rope_model.codegen.structures import (
     ShaftStructure,
     members,
 )
+from rope_model.fidelity.choice import FIDELITIES
+from rope_model.fidelity.neglected_effects import neglected_text
+from rope_model.method.stepping import MIN_INTERVAL
 from rope_model.parameter_table import CrossCheck, Parameter, check_order, parameters_of
 from rope_model.parameters import GROUPS as GROUPS_BY_NAME
 from rope_model.physics.elementary import logical_and
 from rope_model.physics.expressions import no_simplification
 from rope_model.physics.initial_curvature import CURVATURES
-from rope_model.rules.bodies import BODIES
-from rope_model.rules.end_paths import MOTION_BOUNDS, SIDES
-from rope_model.rules.fidelity import FIDELITIES
-from rope_model.rules.neglected_effects import neglected_text
-from rope_model.rules.signal_groups import group_of
-from rope_model.rules.signal_table import SHAPE_POINTS, SIGNALS
-from rope_model.rules.stepping import MIN_INTERVAL
+from rope_model.physics.node import SIDES
 from rope_model.shaft_parameters import PARTS
+from rope_model.signals.signal_groups import group_of
+from rope_model.signals.signal_table import SHAPE_POINTS, SIGNALS
 from rope_model.solver_parameters import MAX_ELEMENTS, FidelityChoice
 from rope_model.texts import c_string
 
@@ -53,7 +54,7 @@ def signal_numbers() -> str:
         for fidelity in get_args(FidelityChoice)
     )
     return (
-        "/* Generated from rope_model.rules.signal_groups and neglected_effects "
+        "/* Generated from rope_model.signals.signal_groups and neglected_effects "
         "by rope_model.codegen.tables. */\n"
         "#ifndef SIGNAL_NUMBERS_H\n#define SIGNAL_NUMBERS_H\n\n"
         f"enum {{\n{numbers}    SIGNALS,\n    SHAPE_POINTS = {SHAPE_POINTS}\n}};\n\n"

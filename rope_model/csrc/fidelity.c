@@ -1,4 +1,4 @@
-/* Choice of the model's fidelity. Formulas and tables: rope_model/rules/fidelity.py. */
+/* Choice of the model's fidelity. Formulas and tables: rope_model/fidelity/choice.py. */
 
 #include "fidelity.h"
 
@@ -49,7 +49,7 @@ int choose_fidelity(const Scene *scene, const EndMotion ends[2], int forces, cha
     const EndMotion *left = &ends[LEFT], *right = &ends[RIGHT];
     char why[MESSAGE], below[MESSAGE] = "";
     if (scene->model.fidelity != AUTO_FIDELITY) {
-        say_as_asked(reason);
+        say_as_set(reason);
         return scene->model.fidelity;
     }
     if (tell_complete_model(scene, forces, reason)) return TORSIONAL;
@@ -64,6 +64,6 @@ int choose_fidelity(const Scene *scene, const EndMotion ends[2], int forces, cha
         return carries_torque(scene) || fidelity == RIGID ? fidelity : PLANAR;
     if (estimated) unsupported_motion(scene, SPATIAL, ends, forces, below);
     tell_torque(scene, below[0] ? why : reason);
-    if (below[0]) say_torque_and_more(reason, why, below);
+    if (below[0]) say_torque_and_unsupported(reason, why, below);
     return TORSIONAL;
 }

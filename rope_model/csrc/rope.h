@@ -70,7 +70,7 @@ const char *rope_fidelity_reason(const Simulator *sim);
 enum { ROPE_WARNINGS = 13, ROPE_EXTRAPOLATION = ROPE_WARNINGS };
 void rope_warning(Simulator *sim, int index, char *message);
 
-/* Write the values of outputs, by their numbers in rope_model.rules.signal_table.SIGNALS.  Booleans and
+/* Write the values of outputs, by their numbers in rope_model.signals.signal_table.SIGNALS.  Booleans and
    integers are exact.  A value is computed at the first call after a change of state. */
 void rope_signals(Simulator *sim, size_t count, const int *signals, double *values);
 
@@ -99,8 +99,8 @@ void rope_frames(Simulator *sim, double *frames);
    energy, and without contact.  `nodes` (elements + 1) are the blocks of each node, `next` (elements) those of each
    node (row) with the next one (column); held coordinates are among them. */
 void rope_tangent(Simulator *sim, const double c[3], double (*nodes)[DOF][DOF], double (*next)[DOF][DOF]);
-/* Let the swivels of a rope at rest turn that are free to, and bring it to rest again.  The others hold. */
-RopeStatus rope_let_turn(Simulator *sim);
+/* Release the free swivels of a rope at rest, and bring it to rest again.  The others hold. */
+RopeStatus rope_release_free_swivels(Simulator *sim);
 
 /* The complete state is a block of bytes without addresses, valid in every process. */
 size_t rope_state_bytes(const Simulator *sim);

@@ -180,11 +180,11 @@ RopeStatus rope_initialize(Simulator *sim, double t, const EndMotion ends[2]) {
     return refer_after_failure(sim, initialize(sim, t, ends));
 }
 
-RopeStatus rope_let_turn(Simulator *sim) {
+RopeStatus rope_release_free_swivels(Simulator *sim) {
     if (!sim->initialized) return say_no_state(sim->message);
     if (sim->scene.swivels[LEFT].mode != FREE_MODE && sim->scene.swivels[RIGHT].mode != FREE_MODE) return ROPE_DONE;
     memcpy(sim->next, sim->state, sim->state_bytes);
-    if (!let_turn(sim, sim->next, sim->message)) return refer_after_failure(sim, ROPE_FAILED);
+    if (!release_free_swivels(sim, sim->next, sim->message)) return refer_after_failure(sim, ROPE_FAILED);
     sim->last.taken = 0;
     return accept(sim);
 }

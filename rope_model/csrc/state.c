@@ -1,4 +1,4 @@
-/* The state as a block of bytes. Formulas and tables: rope_model/rules/state.py. */
+/* The state as a block of bytes. Formulas and tables: rope_model/state.py. */
 
 #include "state.h"
 

@@ -8,11 +8,11 @@ fixed_model_cannot_follow = Template(
 )
 while_swivels_hold = Template("{why:.300} while its swivels hold")
 applied_forces = Template("forces that are applied to places of the rope")
-errs_too_much = Template(
-    "the ends within the tolerance of {tolerance_percent:.3g} %: it errs by an estimated {error_percent:.3g} %"
+error_above_tolerance = Template(
+    "the ends within the tolerance of {tolerance_percent:.3g} %: its estimated error is {error_percent:.3g} %"
 )
 would_go_slack = Template("a rope that goes slack (tension {tension:.4g} N)")
-as_asked = Template("as asked for")
+as_set = Template("set by model.fidelity")
 held_where_initialised = Template("{why:.300} where the rope is initialised with its swivels held")
 may_touch = Template("the rope may touch a body in the shaft")
 may_touch_itself = Template("the rope may touch itself")
@@ -24,8 +24,8 @@ is_pushed = Template("forces are applied to places of the rope")
 no_torque = Template("no torque acts and nothing acts out of plane")
 coupled = Template("tension and torsion are coupled (Qb = {Qb:g}, Qc = {Qc:g} N m)")
 twisted = Template("the rope is twisted by {angle:g} rad")
-torque_and_more = Template("{torque:.200}; the spatial model cannot follow {why:.200}")
-errs_little = Template(
-    "the {fidelity:s} model errs by an estimated {error_percent:.2g} %, within the tolerance of "
+torque_and_unsupported = Template("{torque:.200}; the spatial model cannot follow {why:.200}")
+error_within_tolerance = Template(
+    "the estimated error of the {fidelity:s} model is {error_percent:.2g} %, within the tolerance of "
     "{tolerance_percent:.3g} %, for ends at up to {speed:g} m/s, {acceleration:g} m/s^2 and {jerk:g} m/s^3"
 )

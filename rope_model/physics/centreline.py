@@ -24,7 +24,7 @@ from rope_model.physics.hermite import interpolate
 
 
 class SuspensionPoint(Protocol):
-    """Position (m) of a suspension point from its nominal point, as rules.end_paths.EndMotion has it."""
+    """Position (m) of a suspension point from its nominal point, as boundary.end_paths.EndMotion has it."""
 
     @property
     def x(self) -> Scalar: ...
@@ -63,7 +63,7 @@ def squared_distance(point: Vector, start: Vector, along: Vector) -> Scalar:
     return x * x + y * y + z * z
 
 
-def least_squared_distance(a: Vector, b: Vector) -> Scalar:
+def min_squared_distance(a: Vector, b: Vector) -> Scalar:
     """Return a lower bound (m^2) of ``squared_distance`` between boxes (lowest, highest coordinates), even rounded."""
     x, y, z = (maximum(maximum(a[k] - b[3 + k], b[k] - a[3 + k]), 0.0) for k in range(3))
     return (1.0 - 1e-9) * (x * x + y * y + z * z)
@@ -183,10 +183,10 @@ def side_gap(
     return reduce(minimum, (*gaps, *(top - x[1] for x in points)))
 
 
-def least_advance(length: Scalar, a: Vector, b: Vector, direction: Vector) -> Scalar:
-    """Return the least slope in a horizontal ``direction`` of the cubic between two points, ``length`` (m) apart.
+def min_slope(length: Scalar, a: Vector, b: Vector, direction: Vector) -> Scalar:
+    """Return a lower bound of the slope, in a horizontal ``direction``, of the cubic between two points.
 
-    The points come with their r'; the least control point of the slope is a bound.
+    They are ``length`` (m) apart and come with their r'; the slope's lowest control point is that bound.
     """
     start, stop = (direction[0] * x[3] + direction[1] * x[5] for x in (a, b))
     return minimum(minimum(start, stop), 3.0 * reach(b, a, direction) / length - start - stop)

@@ -26,7 +26,7 @@ from rope_model.shaft_parameters import Contact
 #: depth b of the soft onset, in rope diameters
 ONSET = 0.05
 #: m, length of rope below a conveyance that is not checked against it and its head ropes
-OWN_LENGTH = 1.0
+UNCHECKED_LENGTH = 1.0
 #: m, distance within which bodies take part in Newton's iterations from the first one on
 CONTACT_MARGIN = 0.05
 #: sums along the rope: energy stored, power dissipated, power of the moving body on the rope, force

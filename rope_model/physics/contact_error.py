@@ -19,7 +19,17 @@ import math
 from typing import NamedTuple
 
 from rope_model.parameters import Scene
-from rope_model.physics.elementary import Scalar, Vector, hypot, less, maximum, sqrt, sum_of, where
+from rope_model.physics.elementary import (
+    TINY,
+    Scalar,
+    Vector,
+    hypot,
+    less,
+    maximum,
+    sqrt,
+    sum_of,
+    where,
+)
 from rope_model.physics.estimates import bending_length
 from rope_model.physics.shaft import KINDS
 
@@ -28,7 +38,6 @@ TO_END_FORCES = 1.7  #: root mean square error of the end forces over that of th
 #: error of the loop's position over the length of rope that weighs as much as the unresolved force
 #: of one swing
 TO_LOOP = 0.16
-TINY = 1e-300
 
 
 class ContactSums(NamedTuple):

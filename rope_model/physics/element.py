@@ -117,6 +117,7 @@ BALANCE = (
     "damping_power",  # W, dissipated, never negative
     "nonconservative_power",  # W, taken up by the part of the Costello law that has no energy
 )
+FIRST_POWER = BALANCE.index("damping_power")  #: energies come before it, powers from it on
 #: entries of one element's momentum: linear, angular about the origin, and first moment of the mass
 MOMENTUM = ("px", "py", "pz", "Lx", "Ly", "Lz", "Sx", "Sy", "Sz")
 #: entries of one element's strains: means of e and tau over the element, root mean square of k,
@@ -260,7 +261,7 @@ def element_functions(
         residual=function("element_residual", [q, v, a, l, F, P], [R]),
         tangent=function("element_tangent", [q, v, a, l, F, P, cq, cv, c_a, q_prestress], [R, J]),
         balance=function("element_balance", [q, v, l, F, P], [balance]),
-        losses=function("element_losses", [q, v, l, F, P], [balance[7:]]),
+        losses=function("element_losses", [q, v, l, F, P], [balance[FIRST_POWER:]]),
         strains=function("element_strains", [q, v, l, F], [strains]),
         momentum=function("element_momentum", [*symbols[:2], l, P], [momentum]),
         reference=function("element_reference", [q, l], [reference]),

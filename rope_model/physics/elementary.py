@@ -20,6 +20,8 @@ Scalar: TypeAlias = float | Any
 #: CasADi vector
 Vector: TypeAlias = Sequence[Scalar] | Any
 
+TINY = 1e-300  #: smallest divisor
+
 #: isinstance is four times as fast with a tuple as with float | int, and every formula calls it
 _NUMBER = float, int
 

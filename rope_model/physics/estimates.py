@@ -24,6 +24,7 @@ from typing import NamedTuple
 
 from rope_model.parameters import Rope, Scene
 from rope_model.physics.elementary import Scalar, log, maximum, sqrt
+from rope_model.physics.inextensible import left_leg_length
 from rope_model.physics.initial_curvature import max_curvature
 
 #: sideways displacement of the loop's bottom over its natural width: 0.25 to 0.33 measured at
@@ -74,7 +75,9 @@ def axial_frequency(rope: Rope, leg: Scalar) -> Scalar:
 def lean_error(scene: Scene, travel: Travel) -> Scalar:
     """Return the error by the length that a leaning leg takes from the other, over the longer leg."""
     # the shorter leg is at least as long as the loop is wide
-    short_leg = maximum(0.5 * (scene.rope.length - travel.height_difference), scene.layout.spacing)
+    short_leg = maximum(
+        left_leg_length(scene.rope.length, 0.0, travel.height_difference), scene.layout.spacing
+    )
     width = maximum(natural_width(scene), scene.layout.spacing)
     lean = LEAN * width * (1 + LEAN_GROWTH * travel.acceleration / scene.layout.gravity)
     return lean * lean / (4 * short_leg * _long_leg(scene, travel))
@@ -106,9 +109,8 @@ def loop_yaw(scene: Scene) -> Scalar:
     """Return the yaw (rad) of the loop under the torque of a held rope; legs are strings under their own weight."""
     rope = scene.rope
     g = scene.layout.gravity
-    width = 0.5 * (
-        scene.layout.spacing + natural_width(scene)
-    )  # mean of the widths at both ends of the legs
+    # mean of the widths at both ends of the legs
+    width = 0.5 * (scene.layout.spacing + natural_width(scene))
     height = maximum(0.5 * rope.length / width, 1.0)
     return (
         4 * abs(held_torque(rope, g)) * log(height) / (rope.mass_per_length * g * (width * width))
@@ -151,4 +153,4 @@ def bending_length(scene: Scene) -> Scalar:
 
 
 def _long_leg(scene: Scene, travel: Travel) -> Scalar:
-    return 0.5 * (scene.rope.length + travel.height_difference)
+    return left_leg_length(scene.rope.length, travel.height_difference, 0.0)

@@ -25,6 +25,7 @@ from typing import Any, NamedTuple
 
 from rope_model.parameters import Layout, Rope
 from rope_model.physics.elementary import Scalar, Vector, hypot, less, minimum, sum_of, where
+from rope_model.physics.inextensible import left_leg_length
 from rope_model.shaft_parameters import Guard
 
 #: guards; the code of a cause is its index, counted from 1
@@ -58,7 +59,7 @@ def loop_height(rope: Rope, layout: Layout, lowest: Scalar, left: Scalar, right:
 
     ``left`` and ``right`` are the heights of the ends.
     """
-    a = 0.5 * (rope.length + left - right)
+    a = left_leg_length(rope.length, left, right)
     b = rope.length - a
     stretch = 0.5 * rope.mass_per_length * layout.gravity * (a * a + b * b) / rope.Qa
     return lowest - 0.5 * (left + right) + 0.5 * stretch

@@ -50,6 +50,14 @@ class RigidTensions(NamedTuple):
     radius: float
 
 
+def left_leg_length(length: Scalar, left: Scalar, right: Scalar) -> Scalar:
+    """Return the length (m) of the left leg of a rope between ends at the heights ``left`` and ``right`` (m).
+
+    It is the arc length of the lowest point of a rope of this ``length`` without a half circle.
+    """
+    return 0.5 * (length + left - right)
+
+
 def flow(v1: Scalar, v2: Scalar) -> Flow:
     """Return the flow between ends that rise at ``v1`` and ``v2``; from their accelerations, its rates."""
     return Flow(0.5 * (v1 - v2), 0.5 * (v1 + v2))
@@ -65,7 +73,7 @@ def rigid_tensions(
     start, stop = suspension_points(layout, left, right)
     radius = 0.5 * hypot(stop[0] - start[0], stop[2] - start[2])
     half = math.pi * radius
-    l1 = 0.5 * (L - half + (left.y - right.y))
+    l1 = left_leg_length(L - half, left.y - right.y, 0.0)
     l2 = L - half - l1
     u = flow(left.vy, right.vy).u
     rate = flow(left.ay, right.ay)

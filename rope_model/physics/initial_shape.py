@@ -47,9 +47,8 @@ def position_and_tangent(
 
 def node_row(shape: InitialShape, left: Vector, across: Vector, s: Scalar) -> tuple[Scalar, ...]:
     """Return r, r' and theta (7,) at arc length ``s`` of a rope from ``left`` (3,) in the direction ``across`` (3,)."""
-    phi = minimum(
-        maximum((s - shape.left_leg) / shape.radius, 0.0), math.pi
-    )  # rad, angle by which the rope has turned
+    # rad, angle by which the rope has turned
+    phi = minimum(maximum((s - shape.left_leg) / shape.radius, 0.0), math.pi)
     along, down, slope, rise = position_and_tangent(shape, s, phi)
     legs_lean = where(phi >= math.pi, shape.lean / shape.right_leg, 0.0)
     slope = slope - where(phi <= 0, shape.lean / shape.left_leg, legs_lean)

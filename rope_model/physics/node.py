@@ -4,6 +4,8 @@ import numpy as np
 
 from rope_model.arrays import Array
 
+SIDES = ("left", "right")  #: ends of the rope, and the conveyances to which they are fixed
+END_NODE = (0, -1)  #: rows of the ends in arrays of nodes
 #: columns of r, r' and theta in a node's row
 POSITION = slice(0, 3)
 SLOPE = slice(3, 6)

@@ -61,8 +61,8 @@ def distance(point: Vector, body: Body) -> Scalar:
     return _distance(abs(x) - body.half[0], abs(y) - body.half[1], abs(z) - body.half[2], body)
 
 
-def least_distance(point: Vector, extent: Vector, body: Body) -> Scalar:
-    """Return the least distance (m) over the upright box about ``point`` with half widths ``extent`` along X, Y, Z."""
+def min_distance(point: Vector, extent: Vector, body: Body) -> Scalar:
+    """Return the smallest distance (m) over the box about ``point`` with half widths ``extent`` along X, Y, Z."""
     x, y, z = _in_axes(
         point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body
     )

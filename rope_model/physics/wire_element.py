@@ -38,9 +38,8 @@ HISTORY_SIZE = POINT_STATE_SIZE * len(element.POINTS) + 2
 _POINT_TANGENT_SIZE = (
     12  #: number of entries of a point's latest tangent: k, z and the upper half of dz/dk
 )
-TANGENT_SIZE = _POINT_TANGENT_SIZE * len(
-    element.POINTS
-)  #: number of entries of an element's latest tangents
+#: number of entries of an element's latest tangents
+TANGENT_SIZE = _POINT_TANGENT_SIZE * len(element.POINTS)
 
 
 class WireFunctions(NamedTuple):

@@ -5,6 +5,7 @@ Each module solves one set of equations; names in brackets are those of docs/the
 
     equations          R(q, v, a) = 0: 14-DOF elements on a mesh, with held nodes and loads
                        (eq-strains, eq-energies)
+    elements           the element's functions for all elements of a mesh at once
     newton             R = 0 along q, v and a that follow each other (eq-tangent)
     statics            R(q, 0, 0) = 0, and the rope's first guess
     generalized_alpha  one time step (eq-alpha), its restart and its local error (eq-recentre)

@@ -11,10 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from rope_model.arrays import Array
-from rope_model.rules.end_paths import MOTION_BOUNDS, EndMotion
+from rope_model.boundary.end_paths import MOTION_BOUNDS, PATH, EndMotion
 
-SIDES = ("left", "right")
-END_NODE = (0, -1)  #: row of each end in arrays of nodes
+YAW = PATH.index("yaw")  #: column of an end's yaw
 SENSE = (-1.0, 1.0)  #: of a rotation about Y in theta at each end, as of the tangent in Y
 #: values and first and second derivatives of the powers 0 to 5 of u at 0 and at 1 (6, 6), inverted
 _TO_POWERS = np.linalg.inv(
@@ -63,7 +62,7 @@ def onwards(path: EndPath, t: float, motion: EndMotion, age: float) -> EndPath:
     """
     h = t - path.stop
     first = path.at(path.stop)
-    yaw_acceleration = (motion.yaw_rate - first[1, 3]) / h
+    yaw_acceleration = (motion.yaw_rate - first[1, YAW]) / h
     position = np.array([*motion.position, motion.yaw])
     speed = np.array([*motion.velocity, motion.yaw_rate])
     acceleration = np.array([*motion.acceleration, yaw_acceleration])

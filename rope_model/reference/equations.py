@@ -14,7 +14,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgbtrf, dgbtrs
@@ -22,14 +24,19 @@ from scipy.linalg.lapack import dgbtrf, dgbtrs
 from rope_model.arrays import Array
 from rope_model.parameters import Rope
 from rope_model.physics import element
-from rope_model.physics.element import BALANCE, NODE_DOF, STRAINS, parameters
+from rope_model.physics.element import BALANCE, NODE_DOF, parameters
 from rope_model.physics.node import ANGLE, SLOPE
+from rope_model.reference.elements import over_elements
 
 Mask = NDArray[np.bool_]
 
+ALONG = 0  #: column of r_X
 HEIGHT = 1  #: column of r_Y
+STRETCH = 4  #: column of r'_Y: the stretch of a plumb end
 ELEMENT_DOF = 2 * NODE_DOF
 BAND = ELEMENT_DOF - 1  #: diagonals of the tangent on either side of the main one
+DIAGONAL = 2 * BAND  #: row of the main diagonal in a band: above are BAND rows for exchanges
+BAND_ROWS = 3 * BAND + 1
 # element.element_functions() is called where it is needed: whoever replaces it changes the law
 
 
@@ -86,35 +93,39 @@ class Equations:
 
     def residual(self, q: Array, v: Array, a: Array) -> Array:
         """Return R (nodes, 7), N and N m."""
-        parts = self._of_elements(q, v, a)
-        return self._assembled(
-            element.element_functions().residual(*parts, self.material).full(), a
+        (forces,) = self._values(
+            element.element_functions().residual,
+            *self._of_elements(q, v, a),
+            self.material[:, None],
         )
+        return self._assembled(forces, a)
 
     def linearised(
         self, q: Array, v: Array, a: Array, c: tuple[float, float, float], prestress: Array
     ) -> tuple[Array, Factors]:
         """Return R and the tangent J = c[0] dR/dq + c[1] dR/dv + c[2] dR/da of what is free.
 
-        Tensions in J are those of the axial strains of the rope ``prestress`` (nodes, 7).
+        ``c`` are 1, 1/s and 1/s^2 (docs/theory/time.md, eq-tangent).  Tensions in J are those of the
+        axial strains of the rope ``prestress`` (nodes, 7).
         """
-        parts = self._of_elements(q, v, a)
-        before = of_elements(prestress)
-        R, J = element.element_functions().tangent(*parts, self.material, *c, before)
-        residual = self._assembled(R.full(), a)
-        elements = J.full().reshape(ELEMENT_DOF, self.lengths.size, ELEMENT_DOF)
-        band = np.zeros((2 * BAND + 1, q.size))
-        for i in range(ELEMENT_DOF):
-            for j in range(ELEMENT_DOF):
-                band[BAND + i - j, j : j + NODE_DOF * self.lengths.size : NODE_DOF] += elements[
-                    i, :, j
-                ]
-        band[BAND] += c[2] * self.inertia.ravel()
-        self._add_friction(band, residual)
+        forces, J = self._values(
+            element.element_functions().tangent,
+            *self._of_elements(q, v, a),
+            self.material[:, None],
+            *c,
+            of_elements(prestress),
+        )
+        R = self._assembled(forces, a)
+        band = assembled_band(J)
+        band[DIAGONAL] += c[2] * self.inertia.ravel()
+        self._add_friction(band, R)
         self._hold(band)
-        above = np.zeros((BAND, q.size))  # room for the exchanges of rows
-        lu, pivots, _ = dgbtrf(np.vstack((above, band)), BAND, BAND)
-        return residual, Factors(lu, pivots)
+        lu, pivots, _ = dgbtrf(band, BAND, BAND, overwrite_ab=True)
+        return R, Factors(lu, pivots)
+
+    def _values(self, function: ca.Function, *arguments: Array | float) -> tuple[Array, ...]:
+        """Return the results of a ``function`` of an element for all elements."""
+        return over_elements(function)(self.lengths.size, *arguments)
 
     def _of_elements(self, q: Array, v: Array, a: Array) -> tuple[Array, ...]:
         """Return the first arguments of the element's functions."""
@@ -136,28 +147,29 @@ class Equations:
             of_force = NODE_DOF * node + HEIGHT
             first = max(of_moment - BAND, 0)
             last = min(of_force + BAND, band.shape[1] - 1)
-            for j in range(first, last + 1):
-                band[BAND + of_moment - j, j] -= self.friction[node] * band[BAND + of_force - j, j]
+            j = np.arange(first, last + 1)
+            of_force_row = band[DIAGONAL + of_force - j, j]
+            band[DIAGONAL + of_moment - j, j] -= self.friction[node] * of_force_row
 
     def _hold(self, band: Array) -> None:
         """Replace the rows of what is held by x = force."""
-        rows = np.flatnonzero(self.held)
-        for offset in range(-BAND, BAND + 1):
-            columns = rows - offset
-            inside = columns[(columns >= 0) & (columns < band.shape[1])]
-            band[BAND + offset, inside] = 0.0
-        band[BAND, rows] = 1.0
+        i = np.flatnonzero(self.held)[:, None]
+        j = np.clip(i + np.arange(-BAND, BAND + 1), 0, band.shape[1] - 1)
+        band[DIAGONAL + i - j, j] = 0.0
+        band[DIAGONAL, i] = 1.0
 
     # the frame of the sections
 
     def turning(self, q: Array, v: Array, a: Array) -> Array:
         """Return the increase of theta and its rates (3, nodes) when ``q`` becomes the reference.
 
-        Sections stay where they are.  The frame of the left end stays, too; along the rope the mean
-        twist of each element adds up (docs/theory/element.md, eq-frame).
+        It is in rad, rad/s and rad/s^2.  Sections stay where they are.  The frame of the left end
+        stays, too; along the rope the mean twist of each element adds up (docs/theory/element.md,
+        eq-frame).
         """
         gained = np.zeros((3, len(q)))
-        gained[:, 1:] = element.element_functions().transport(*self._of_elements(q, v, a)).full()
+        transport = element.element_functions().transport
+        (gained[:, 1:],) = self._values(transport, *self._of_elements(q, v, a))
         gained[0] = gained[0].cumsum()
         return gained
 
@@ -165,18 +177,24 @@ class Equations:
 
     def balance(self, q: Array, v: Array) -> dict[str, float]:
         """Return energies (J) and powers (W) of the whole rope by the names of element.BALANCE."""
-        parts = of_elements(q), of_elements(v), self.lengths[None, :], self.frame, self.material
-        sums = element.element_functions().balance(*parts).full().sum(axis=1)
-        sum_by_name = dict(zip(BALANCE, sums.tolist(), strict=True))
+        (values,) = self._values(
+            element.element_functions().balance,
+            of_elements(q),
+            of_elements(v),
+            self.lengths[None, :],
+            self.frame,
+            self.material[:, None],
+        )
+        sum_by_name = dict(zip(BALANCE, values.sum(axis=1).tolist(), strict=True))
         sum_by_name["kinetic"] += 0.5 * float(np.sum(self.inertia * v * v))
         return sum_by_name
 
     def strains(self, q: Array, v: Array) -> Array:
         """Return the strains of the elements (5, elements): element.STRAINS."""
+        strains = element.element_functions().strains
         parts = of_elements(q), of_elements(v), self.lengths[None, :], self.frame
-        return np.asarray(element.element_functions().strains(*parts).full()).reshape(
-            len(STRAINS), -1
-        )
+        (values,) = self._values(strains, *parts)
+        return values
 
     def size(self, x: Array) -> float:
         """Return the largest entry of a correction or error ``x`` (nodes, 7) of what is free.
@@ -196,11 +214,34 @@ def at_rest(q: Array) -> Callable[[float], Array]:
 
 def of_elements(x: Array) -> Array:
     """Return the values (14, elements) of both nodes of each element."""
-    return np.hstack((x[:-1], x[1:])).T
+    return np.concatenate((x[:-1], x[1:]), axis=1).T
 
 
 def frame_at(q: Array, lengths: Array) -> Array:
     """Return the reference (21, elements) of sections whose frame is that of the rope ``q``."""
-    return np.asarray(
-        element.element_functions().reference(of_elements(q), lengths[None, :]).full()
-    )
+    reference = over_elements(element.element_functions().reference)
+    (frame,) = reference(lengths.size, of_elements(q), lengths[None, :])
+    return frame
+
+
+def assembled_band(J: Array) -> Array:
+    """Return the tangent of the nodes from those of the elements (196, elements), symmetric matrices.
+
+    Row i and column j of it are at [DIAGONAL + i - j, j].  The first BAND rows are room for the
+    exchanges of rows, as LAPACK needs them.
+    """
+    elements = J.shape[1]
+    places = _band_places(elements)
+    unknowns = NODE_DOF * (elements + 1)
+    band = np.zeros(unknowns * BAND_ROWS)
+    band += np.bincount(places, weights=J.T.ravel(), minlength=band.size)
+    return band.reshape(unknowns, BAND_ROWS).T
+
+
+@lru_cache(8)
+def _band_places(elements: int) -> NDArray[np.intp]:
+    """Return the place in a band, stored by columns, of each entry of the elements' tangents."""
+    first = NODE_DOF * np.arange(elements)[:, None, None]
+    j = np.arange(ELEMENT_DOF)[:, None]
+    i = np.arange(ELEMENT_DOF)
+    return ((first + j) * BAND_ROWS + DIAGONAL + i - j).ravel()

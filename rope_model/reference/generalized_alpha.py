@@ -30,7 +30,7 @@ TOLERANCE = 3e-6  #: m and rad, last correction of Newton's method
 
 @dataclass(frozen=True)
 class Motion:
-    """Motion at an instant; arrays are (nodes, 7)."""
+    """Motion at an instant; arrays are (nodes, 7), their columns m, 1 and rad, and per s or s^2."""
 
     t: float  #: s
     q: Array
@@ -39,12 +39,12 @@ class Motion:
     b: Array  #: auxiliary acceleration
     a_rate: Array  #: change of a over the step that led here, per time
     h: float  #: s, length of that step; 0 after a restart
-    reaction: Array  #: R: zero where free, else force and moment of the surroundings
+    reaction: Array  #: R, N and N m: zero where free, else force and moment of the surroundings
 
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Coefficients of the method."""
+    """Coefficients of the method (eq-coefficients)."""
 
     alpha_m: float
     alpha_f: float

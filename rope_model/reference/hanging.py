@@ -13,10 +13,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rope_model.arrays import Array
+from rope_model.method.swivel_phases import (
+    Phase,
+    SwivelState,
+    beyond_rest,
+    relaxes,
+    swivel_friction,
+)
 from rope_model.parameters import Scene
 from rope_model.physics.centreline import line_yaw
-from rope_model.physics.node import ANGLE, POSITION
-from rope_model.reference.ends import END_NODE, EndPath
+from rope_model.physics.inextensible import left_leg_length
+from rope_model.physics.node import ANGLE, END_NODE, POSITION
+from rope_model.reference.ends import EndPath
 from rope_model.reference.energies import Energies, with_energies
 from rope_model.reference.equations import HEIGHT
 from rope_model.reference.generalized_alpha import Motion
@@ -25,7 +33,6 @@ from rope_model.reference.outputs import nearest_turn, yaw_of
 from rope_model.reference.state import State
 from rope_model.reference.statics import StaticsError, find_equilibrium, hanging_guess
 from rope_model.reference.swivel import Ends, slip
-from rope_model.rules.swivel_phases import Phase, SwivelState, beyond_rest, relaxes, swivel_friction
 
 TWIST_STEP = 1.0  #: rad, largest increment of twist
 SHORTEST_TWIST_STEP = 0.01  #: rad
@@ -39,8 +46,8 @@ class Rest:
     """Rope in equilibrium between ``ends``."""
 
     ends: Ends
-    q: Array
-    reaction: Array
+    q: Array  #: (nodes, 7), m, 1 and rad
+    reaction: Array  #: R (nodes, 7), N and N m
     turn: float  #: rad, of the right end's frame since the first guess: minus twice the loop's yaw
 
 
@@ -48,7 +55,7 @@ def hang(scene: Scene, t: float, paths: tuple[EndPath, EndPath]) -> State:
     """Return the rope at rest at ``t`` (s); StaticsError if there is no equilibrium."""
     straight = Ends(scene, paths, (_held(0.0), _held(scene.rope.installed_twist)), (0.0, 0.0))
     left, right = straight.motion(t, 2)[0, :, POSITION]
-    mesh = mesh_of(scene, 0.5 * (scene.rope.length + left[1] - right[1]))
+    mesh = mesh_of(scene, left_leg_length(scene.rope.length, left[HEIGHT], right[HEIGHT]))
     guess = hanging_guess(mesh.nodes_s, left, right)
     # in the plane of its ends, at psi to X, an untwisted rope turns its right end by -2 psi
     offset = 2.0 * math.atan2(right[2] - left[2], right[0] - left[0])
@@ -57,7 +64,7 @@ def hang(scene: Scene, t: float, paths: tuple[EndPath, EndPath]) -> State:
 
     untwisted = _rest(_with_offset(ends, first - last), mesh, _with_angle(guess, first), t)
     rest = _twisted(untwisted, mesh, last - first, t)
-    side = _loose(rest, t)
+    side = _sliding_side(rest, t)
     if side is not None:
         held_angle = (last, first)[side]  # of the other end
         slipping = slip(0.0, rest.reaction[END_NODE[side], ANGLE])
@@ -118,7 +125,7 @@ def _twisted(rest: Rest, mesh: Mesh, twist: float, t: float) -> Rest:
     return rest
 
 
-def _loose(rest: Rest, t: float) -> int | None:
+def _sliding_side(rest: Rest, t: float) -> int | None:
     """Return the side of the swivel that slides: of those that cannot hold, the easiest."""
     frictions = {}
     for side, node in enumerate(END_NODE):
@@ -132,15 +139,18 @@ def _loose(rest: Rest, t: float) -> int | None:
 
 
 def _motion(rest: Rest, t: float) -> Motion:
+    """Return the motion of the rope at rest at ``t`` (s)."""
     zeros = np.zeros_like(rest.q)
     return Motion(t, rest.q, zeros, zeros, zeros, zeros, 0.0, rest.reaction)
 
 
 def _held(angle: float) -> SwivelState:
+    """Return a swivel that is locked at ``angle`` (rad)."""
     return SwivelState(Phase.LOCKED, angle, 0.0)
 
 
 def _with_swivel(ends: Ends, side: int, state: SwivelState) -> Ends:
+    """Return the ends with another state of the swivel on this side."""
     left, right = ends.swivels
     return replace(ends, swivels=(state, right) if side == 0 else (left, state))
 

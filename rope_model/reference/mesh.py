@@ -21,17 +21,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rope_model.arrays import Array
-from rope_model.parameters import Scene
-from rope_model.physics.elementary import nearest_whole
-from rope_model.physics.node import arc_lengths
-from rope_model.rules.mesh_fit import FADE_ERROR, MESH_SHARE, fit_elements
-from rope_model.rules.mesh_pattern import (
+from rope_model.method.mesh_fit import FADE_ERROR, MESH_SHARE, fit_elements
+from rope_model.method.mesh_pattern import (
     DUE_EARLY,
     inner_length,
     min_outer,
     relative_lengths,
     transformation_due,
 )
+from rope_model.parameters import Scene
+from rope_model.physics.elementary import nearest_whole
+from rope_model.physics.node import arc_lengths
 from rope_model.solver_parameters import Mesh as MeshParameters
 
 #: lengths (l) of elements of I and VII, each at a multiple of its length from the end of the rope,

@@ -26,7 +26,7 @@ class Cause(Enum):
 
     NOT_CONVERGED = f"Newton's method did not converge in {MAX_CORRECTIONS} corrections"
     DIVERGED = "Newton's method diverged"
-    NEW_MESH = "Newton's method fails on a new mesh, however stiffly the rope is restrained"
+    NEW_MESH = "Newton's method does not converge, however stiffly the rope is restrained"
     ERROR = "the local error of the step is too large"
     CHATTER = "a swivel changes between stick and slip faster than a rope can move"
     STEPS = "the communication step takes too many steps"
@@ -34,11 +34,11 @@ class Cause(Enum):
 
 @dataclass(frozen=True)
 class Failure:
-    """Step that cannot be taken."""
+    """Step or transformation of the mesh that fails."""
 
     cause: Cause
-    t: float  #: s, instant from which it would have led
-    h: float  #: s, its length
+    t: float  #: s, instant at which it begins
+    what: str  #: that fails, such as "a step of 0.01 s"
 
 
 class Guess(NamedTuple):
@@ -51,14 +51,14 @@ class Guess(NamedTuple):
 
 @dataclass(frozen=True)
 class Solution:
-    """Configuration with R = 0 where the rope is free; ``cause`` is None if there is one."""
+    """Configuration with R = 0 where the rope is free; arrays are (nodes, 7)."""
 
     q: Array
     v: Array
     a: Array
-    reaction: Array  #: R (nodes, 7), zero up to the tolerance where the rope is free
+    reaction: Array  #: R, N and N m: zero up to the tolerance where the rope is free
     corrections: int
-    cause: Cause | None
+    cause: Cause | None  #: of a search that found none
 
 
 def solve(
@@ -69,6 +69,8 @@ def solve(
     prestress: Array,
 ) -> Solution:
     """Return the solution near ``guess``, up to a last correction of ``tolerance`` (m and rad).
+
+    ``c`` are c0, c1 and c2 of eq-tangent: 1, 1/s and 1/s^2.
 
     The first guess may overstretch the rope: the first tangent takes its axial strains from
     ``prestress``.

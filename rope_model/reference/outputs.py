@@ -12,19 +12,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from rope_model.arrays import Array
+from rope_model.method.swivel_phases import Phase
 from rope_model.parameters import Scene
 from rope_model.physics.centreline import sample_s
+from rope_model.physics.element import STRAINS
 from rope_model.physics.estimates import loop_width
 from rope_model.physics.frame import conveyance_load
-from rope_model.physics.hermite import bend, interpolate
-from rope_model.physics.node import POSITION, SLOPE
+from rope_model.physics.hermite import interpolate
+from rope_model.physics.node import END_NODE, POSITION, SIDES, SLOPE
 from rope_model.physics.stress import material_values
-from rope_model.reference.ends import END_NODE, SIDES
-from rope_model.reference.equations import HEIGHT
+from rope_model.reference.equations import HEIGHT, STRETCH
 from rope_model.reference.state import State
 from rope_model.reference.transfer import elements_at, interpolated
-from rope_model.rules.signal_table import SHAPE_POINTS, SIGNALS
-from rope_model.rules.swivel_phases import Phase
+from rope_model.signals.signal_table import SHAPE_POINTS, SIGNALS
 
 AXES = ("x", "y", "z")
 #: outputs of ``Energies``
@@ -61,29 +61,52 @@ def lowest_point(q: Array, s: Array) -> LowestPoint:
     candidates = [s[node - 1], s[node], s[node + 1]]
     for left in (node - 1, node):
         l = s[left + 1] - s[left]
-        y = (q[left, 1], q[left, 4], q[left + 1, 1], q[left + 1, 4])
-        # r'_Y is a parabola with these values at 0, 1/2 and 1
-        at = [interpolate(xi, l, *y)[1] for xi in (0.0, 0.5, 1.0)]
-        parabola = (2 * at[0] - 4 * at[1] + 2 * at[2], -3 * at[0] + 4 * at[1] - at[2], at[0])
-        roots = np.roots(parabola)
-        inside = roots[np.isreal(roots) & (roots.real > 0) & (roots.real < 1)].real
-        candidates += [s[left] + xi * l for xi in inside if bend(xi, l, *y) > 0]
+        one = q[left]
+        other = q[left + 1]
+        xi = _lowest_in(l, one[HEIGHT], one[STRETCH], other[HEIGHT], other[STRETCH])
+        if xi is not None:
+            candidates.append(s[left] + xi * l)
     points = interpolated(q, s, np.array(candidates))
     lowest = int(np.argmin(points[:, HEIGHT]))
     at_s = candidates[lowest]
     element = int(elements_at(s, np.array([at_s]))[0])
     l = s[element + 1] - s[element]
     xi = (at_s - s[element]) / l
-    a = q[element]
-    b = q[element + 1]
-    slope = [interpolate(xi, l, a[k], a[3 + k], b[k], b[3 + k])[1] for k in range(3)]
-    return LowestPoint(float(at_s), points[lowest], math.atan2(-slope[2], slope[0]))
+    one = q[element]
+    other = q[element + 1]
+    _, slope = interpolate(xi, l, one[POSITION], one[SLOPE], other[POSITION], other[SLOPE])
+    return LowestPoint(float(at_s), points[lowest], _yaw(np.asarray(slope)))
+
+
+def _lowest_in(l: float, r1: float, s1: float, r2: float, s2: float) -> float | None:
+    """Return the place (0 to 1) inside of an element where the height is smallest, if there is one.
+
+    r and s are the heights of its nodes and their slopes.  The slope is a parabola in the place.
+    """
+    at = [interpolate(xi, l, r1, s1, r2, s2)[1] for xi in (0.0, 0.5, 1.0)]
+    a = 2 * at[0] - 4 * at[1] + 2 * at[2]
+    b = -3 * at[0] + 4 * at[1] - at[2]
+    c = at[0]
+    discriminant = b * b - 4 * a * c
+    if discriminant <= 0 or max(a, b) <= 0:
+        return None
+    rise = math.sqrt(discriminant)  # of the slope, at the root where it becomes positive
+    if b > 0:
+        xi = -2 * c / (b + rise)
+    else:
+        xi = (rise - b) / (2 * a)
+    return xi if 0 < xi < 1 else None
 
 
 def yaw_of(q: Array) -> float:
     """Return the yaw (rad) of the tangent at the lowest node."""
-    slope = q[np.argmin(q[:, HEIGHT]), SLOPE]
-    return math.atan2(-slope[2], slope[0])
+    return _yaw(q[np.argmin(q[:, HEIGHT]), SLOPE])
+
+
+def _yaw(slope: Array) -> float:
+    """Return the yaw (rad) of a tangent r' (3,)."""
+    along, _, aside = slope
+    return math.atan2(-aside, along)
 
 
 def nearest_turn(angle: float, last: float) -> float:
@@ -125,7 +148,7 @@ def strain_values(scene: Scene, state: State) -> Values:
     m = state.motion
     s = state.mesh.nodes_s
     strains = state.equations(scene).strains(m.q, m.v)
-    twist = strains[1]
+    twist = strains[STRAINS.index("tau")]
     bending, torsion, _, _ = material_values(scene.rope, 1.0, strains)
     at_loop = elements_at(s, np.array([lowest_point(m.q, s).s]))[0]
     return {

@@ -11,15 +11,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from rope_model.boundary.end_paths import RESTS_BELOW, EndMotion
+from rope_model.boundary.point_forces import PointForces
+from rope_model.fidelity.choice import Fidelity
 from rope_model.interface import BalanceRope, Snapshot, Status
 from rope_model.parameters import Scene
-from rope_model.reference.ends import (
-    SIDES,
-    onwards,
-    peak_acceleration,
-    refusal,
-    resting,
-)
+from rope_model.physics.node import ANGLE, SIDES
+from rope_model.reference.ends import onwards, peak_acceleration, refusal, resting
 from rope_model.reference.equations import HEIGHT
 from rope_model.reference.hanging import hang
 from rope_model.reference.mesh import mesh_of
@@ -29,11 +27,8 @@ from rope_model.reference.scope import require_published
 from rope_model.reference.state import State
 from rope_model.reference.statics import StaticsError
 from rope_model.reference.stepping import step_towards
-from rope_model.rules.end_paths import RESTS_BELOW, EndMotion
-from rope_model.rules.fidelity import Fidelity
-from rope_model.rules.point_forces import PointForces
-from rope_model.rules.signal_table import checked_names
-from rope_model.rules.state import RopeState
+from rope_model.signals.signal_table import checked_names
+from rope_model.state import RopeState
 
 SHORTEST_ADVANCE = 1e-9  #: s, a shorter one succeeds without a step
 MAX_STEPS = 20_000  #: accepted steps of an advance
@@ -151,9 +146,8 @@ class ReferenceRope(BalanceRope):
             if state.motion.t >= t:
                 break
         else:
-            return Status(
-                False, failure_message(Failure(Cause.STEPS, state.motion.t, state.step_next))
-            )
+            what = f"the advance from {start:.6g} s to {t:.6g} s"
+            return Status(False, failure_message(Failure(Cause.STEPS, state.motion.t, what)))
         mean = impulse / (t - start)
         self._state = replace(state, force_mean=(float(mean[0]), float(mean[1])))
         return Status(True)
@@ -175,7 +169,7 @@ class ReferenceRope(BalanceRope):
 
     def rows(self) -> NDArray[np.float64]:
         m = self.state.motion
-        return np.column_stack((self.state.mesh.nodes_s, m.q[:, :6], m.v[:, :6]))
+        return np.column_stack((self.state.mesh.nodes_s, m.q[:, :ANGLE], m.v[:, :ANGLE]))
 
     def displacement(self, forces: PointForces) -> NDArray[np.float64]:
         raise ValueError(f"the reference rope takes no point forces: {CURE}")
@@ -209,10 +203,10 @@ class ReferenceRope(BalanceRope):
 
 
 def failure_message(failure: Failure) -> str:
-    """Return cause and cure of a failed step."""
+    """Return what fails, cause and cure."""
     cause = failure.cause.value
     return (
-        f"at t = {failure.t:.6g} s a step of {failure.h:.3g} s fails: {cause}; "
+        f"at t = {failure.t:.6g} s {failure.what} fails: {cause}; "
         "check the motions of the ends, refine the mesh, or lower solver.step_min"
     )
 

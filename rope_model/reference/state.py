@@ -13,7 +13,9 @@ from typing import NamedTuple, TypeAlias, get_args, get_origin, get_type_hints
 import numpy as np
 
 from rope_model.arrays import Array
+from rope_model.method.swivel_phases import SwivelState
 from rope_model.parameters import Scene
+from rope_model.physics.inextensible import left_leg_length
 from rope_model.physics.node import ANGLE
 from rope_model.reference.ends import EndPath
 from rope_model.reference.energies import Energies
@@ -21,7 +23,6 @@ from rope_model.reference.equations import Equations
 from rope_model.reference.generalized_alpha import Motion
 from rope_model.reference.mesh import Mesh
 from rope_model.reference.swivel import Ends
-from rope_model.rules.swivel_phases import SwivelState
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,9 @@ class Counts:
 
     steps: int = 0
     rejections: int = 0
-    newton: int = 0  #: corrections of accepted and rejected steps
+    newton: int = (
+        0  #: corrections of steps: accepted, rejected, and tried in the search for an event
+    )
     transformations: int = 0
     swivel_events: int = 0
 
@@ -59,6 +62,12 @@ class State:
     counts: Counts = Counts()
     events: tuple[Event, ...] = ()  #: of the last advance
 
+    @property
+    def last_interval(self) -> float:
+        """Length (s) of the last advance."""
+        path = self.paths[0]
+        return path.stop - path.start
+
     def ends(self, scene: Scene) -> Ends:
         """Return the rope's ends."""
         return Ends(scene, self.paths, self.swivels, self.offsets)
@@ -70,7 +79,7 @@ class State:
     def bottom_s(self, scene: Scene, t: float) -> float:
         """Return the arc length (m) of the loop at ``t`` (s), from the heights of the ends."""
         left, right = (path.at(t)[0, 1] for path in self.paths)
-        return float(0.5 * (scene.rope.length + left - right))
+        return float(left_leg_length(scene.rope.length, left, right))
 
     def with_angles(self, equations: Equations) -> State:
         """Return the state as the reference of its own frame, instead of that of ``equations``.
@@ -112,6 +121,7 @@ class State:
 
 
 def _with_more_angle(x: Array, more: Array) -> Array:
+    """Return the rows of nodes ``x`` (nodes, 7) with ``more`` (nodes,) added to their angles."""
     x = x.copy()
     x[:, ANGLE] += more
     return x

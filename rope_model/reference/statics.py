@@ -18,9 +18,11 @@ import numpy as np
 
 from rope_model.arrays import Array
 from rope_model.physics.element import PARAMETERS
+from rope_model.physics.elementary import TINY
+from rope_model.physics.inextensible import left_leg_length
 from rope_model.physics.initial_shape import initial_shape, node_row
 from rope_model.physics.node import ANGLE, SLOPE
-from rope_model.reference.equations import Equations
+from rope_model.reference.equations import HEIGHT, Equations
 
 TOLERANCE = 1e-11  #: last correction, m over the rope's length
 MAX_CORRECTIONS = 10_000
@@ -49,8 +51,8 @@ class StaticsError(RuntimeError):
 class Equilibrium:
     """Rope at rest."""
 
-    q: Array  #: (nodes, 7); angles count along it
-    reaction: Array  #: R (nodes, 7)
+    q: Array  #: (nodes, 7), m, 1 and rad; angles count from its own frame
+    reaction: Array  #: R (nodes, 7), N, N m and N m: zero where the rope is free
     corrections: int
     turn: float  #: rad, increase of the angle at the right end by changes of the frame
 
@@ -58,7 +60,8 @@ class Equilibrium:
 def find_equilibrium(equations: Equations, guess: Array, t: float = 0.0) -> Equilibrium:
     """Return the equilibrium near ``guess`` (nodes, 7), held as at ``t`` (s).
 
-    Angles of the guess count along it; those of the equilibrium count along itself.
+    Angles count from the frame of the rope itself (docs/theory/element.md, "The frame of the
+    section"): those of the guess from the guess's, those of the equilibrium from its own.
     """
     q = np.where(equations.held, equations.motion(t)[0], guess)
     zeros = np.zeros_like(q)
@@ -77,7 +80,7 @@ def find_equilibrium(equations: Equations, guess: Array, t: float = 0.0) -> Equi
         move = float(np.abs(x).max())
         if not np.isfinite(move):
             move = np.inf
-        trial = q + min(1.0, MAX_MOVE / max(move, 1e-300)) * np.nan_to_num(x)
+        trial = q + min(1.0, MAX_MOVE / max(move, TINY)) * np.nan_to_num(x)
         reaction = equations.residual(trial, zeros, zeros)
         left = np.where(equations.held, 0.0, reaction)
         force_left = _largest(equations, left)
@@ -100,7 +103,7 @@ def find_equilibrium(equations: Equations, guess: Array, t: float = 0.0) -> Equi
         settled = tau > NEWTON_TIME and equations.size(x) < TOLERANCE * length
         if settled or balanced > BALANCED:
             return Equilibrium(q, reaction, k, turn)
-        tau *= min(max(force / max(force_left, 1e-300), GROW[0]), GROW[1])
+        tau *= min(max(force / max(force_left, TINY), GROW[0]), GROW[1])
         tau = min(tau, LONGEST_TIME)
     raise StaticsError(
         f"no equilibrium in {k} corrections: forces of {force:.3g} N are left; "
@@ -129,13 +132,13 @@ def hanging_guess(s: Array, left: Array, right: Array) -> Array:
     width = float(np.linalg.norm(across))
     if width == 0:
         raise StaticsError("the ends are above each other: move one aside, by 0.1 m or more")
-    middle = 0.5 * (length + left[1] - right[1])  # arc length of the lowest point
+    middle = left_leg_length(length, left[HEIGHT], right[HEIGHT])
     cell = float(np.interp(middle, 0.5 * (s[:-1] + s[1:]), np.diff(s)))
     legs = initial_shape(length, middle, width, cell)
     if min(legs.left_leg, legs.right_leg) <= legs.lean:
         raise StaticsError(
             f"a rope of {length:g} m cannot hang between ends {width:.4g} m apart and "
-            f"{abs(left[1] - right[1]):.4g} m different in height: move them closer together"
+            f"{abs(left[HEIGHT] - right[HEIGHT]):.4g} m different in height: move them closer together"
         )
     row = node_row(legs, left, across / width, s)
     return np.column_stack([np.broadcast_to(values, s.shape) for values in row])

@@ -10,12 +10,21 @@ of the step in which that becomes due.
 import math
 from dataclasses import dataclass, replace
 
+from rope_model.method.step_control import ACCEPT_BELOW, next_step, step_error, step_limits
+from rope_model.method.step_errors import ErrorSums
+from rope_model.method.swivel_phases import (
+    CHATTER_EVENTS,
+    CHATTER_TIME,
+    EVENT_WIDTH,
+    Phase,
+    SwivelState,
+    frictionless,
+    released_at,
+)
 from rope_model.parameters import Scene
-from rope_model.physics.accuracy import ACCEPT_BELOW, ErrorSums, next_step, step_error, step_limits
-from rope_model.physics.node import ANGLE
-from rope_model.reference.ends import END_NODE, SIDES
+from rope_model.physics.node import ANGLE, END_NODE, SIDES
 from rope_model.reference.energies import after_step
-from rope_model.reference.equations import HEIGHT, Equations
+from rope_model.reference.equations import HEIGHT, STRETCH, Equations
 from rope_model.reference.generalized_alpha import (
     Motion,
     Step,
@@ -27,17 +36,8 @@ from rope_model.reference.generalized_alpha import (
 from rope_model.reference.newton import Cause, Failure
 from rope_model.reference.outputs import nearest_turn, yaw_of
 from rope_model.reference.state import Event, State
-from rope_model.reference.swivel import STRETCH, Ends, slip, stick
+from rope_model.reference.swivel import Ends, slip, stick
 from rope_model.reference.transformation import with_mesh_for
-from rope_model.rules.swivel_phases import (
-    CHATTER_EVENTS,
-    CHATTER_TIME,
-    EVENT_WIDTH,
-    Phase,
-    SwivelState,
-    frictionless,
-    released_at,
-)
 
 JUST_BEFORE = -1e-12  #: event function of a slip that has just begun: it has no rate yet
 ROUNDING = 1e-9  #: steps: a rest of the interval below it needs no step of its own
@@ -47,7 +47,7 @@ ROUNDING = 1e-9  #: steps: a rest of the interval below it needs no step of its 
 class Accepted:
     """Step that is taken."""
 
-    new: Motion
+    new: Motion  #: behind the step
     before: State  #: with the work of the search for it in its counts
     h: float  #: s, length of the step that was tried; it is longer than the step to an event
     error: float  #: local error over the allowed one
@@ -94,7 +94,7 @@ def step_towards(scene: Scene, state: State, t_end: float) -> State | Failure:
     if accepted.switches:
         after = _switched(scene, after)
     if _chatters(after):
-        return Failure(Cause.CHATTER, old.t, accepted.h)
+        return _failed_step(Cause.CHATTER, old.t, accepted.h)
     return after
 
 
@@ -115,20 +115,26 @@ def _accepted(
         good = trial.motion is not None and error <= ACCEPT_BELOW * solver.tolerance
         switches = good and trial.motion is not None and _excess(ends, trial.motion) >= 0
         if switches:
-            trial = _trial(scene, equations, old, _event_step(scene, equations, ends, old, h))
+            trial = _trial_to_event(scene, equations, ends, old, h)
             state = state.counted(newton=trial.corrections)
         if good and trial.motion is not None:
             before = replace(state, step_next=step_next)
             reaches_stop = parts == 1 and not switches
             return Accepted(trial.motion, before, h, error, rejected, switches, reaches_stop)
         if h <= solver.step_min:
-            return Failure(trial.cause or Cause.ERROR, old.t, h)
+            return _failed_step(trial.cause or Cause.ERROR, old.t, h)
         rejected = True
         step_next = max(0.5 * h, solver.step_min)
         state = state.counted(rejections=1)
 
 
+def _failed_step(cause: Cause, t: float, h: float) -> Failure:
+    """Return the failure of a step of ``h`` (s) from ``t`` (s)."""
+    return Failure(cause, t, f"a step of {h:.3g} s")
+
+
 def _trial(scene: Scene, equations: Equations, old: Motion, h: float) -> Step:
+    """Return a trial step of ``h`` (s) with the scene's parameters of the method."""
     return step(equations, old, h, scene.solver.rho_inf, scene.solver.newton_tolerance)
 
 
@@ -164,6 +170,7 @@ def _released(scene: Scene, state: State) -> State:
 
 
 def _released_swivel(scene: Scene, state: State, side: int) -> SwivelState:
+    """Return the swivel on this side: released if its time has come, else as it is."""
     swivel = state.ends(scene).data(side)
     present = state.swivels[side]
     if state.motion.t < released_at(swivel, present):
@@ -184,18 +191,26 @@ def _excess(ends: Ends, motion: Motion) -> float:
     return max(ends.excess(side, motion) for side in range(len(SIDES)))
 
 
-def _event_step(scene: Scene, equations: Equations, ends: Ends, old: Motion, h: float) -> float:
-    """Return the step (s) to the instant at which a swivel leaves its phase, before ``h``."""
+def _trial_to_event(scene: Scene, equations: Equations, ends: Ends, old: Motion, h: float) -> Step:
+    """Return a trial step, shorter than ``h`` (s), to the instant at which a swivel leaves its phase.
 
-    def at(part: float) -> float:
+    Its corrections are those of the whole search.
+    """
+    corrections = 0
+
+    def excess_after(part: float) -> float:
+        nonlocal corrections
         if part == 0:
             return min(_excess(ends, old), JUST_BEFORE)
         trial = _trial(scene, equations, old, part)
+        corrections += trial.corrections
         return 1.0 if trial.motion is None else _excess(ends, trial.motion)
 
     from scipy.optimize import brentq  # slow to load, and most runs hold no event
 
-    return float(brentq(at, 0.0, h, xtol=EVENT_WIDTH))
+    to_event = float(brentq(excess_after, 0.0, h, xtol=EVENT_WIDTH))
+    trial = _trial(scene, equations, old, to_event)
+    return replace(trial, corrections=corrections + trial.corrections)
 
 
 def _switched(scene: Scene, state: State) -> State:
@@ -228,6 +243,7 @@ def _next_phase(scene: Scene, state: State, side: int) -> SwivelState:
 
 
 def _with_swivel(state: State, side: int, swivel: SwivelState) -> State:
+    """Return the state with another state of the swivel on this side."""
     left, right = state.swivels
     return replace(state, swivels=(swivel, right) if side == 0 else (left, swivel))
 

@@ -21,17 +21,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from rope_model.arrays import Array
+from rope_model.method.swivel_phases import Phase, SwivelState, moment_of_swivel, swivel_excess
 from rope_model.parameters import Scene, Swivel
-from rope_model.physics.element import parameters
-from rope_model.physics.node import ANGLE, POSITION
+from rope_model.physics.element import NODE_DOF, parameters
+from rope_model.physics.node import ANGLE, END_NODE, POSITION
 from rope_model.physics.swivel import friction_moment
-from rope_model.reference.ends import END_NODE, SENSE, EndPath
-from rope_model.reference.equations import HEIGHT, Equations, frame_at
+from rope_model.reference.ends import SENSE, YAW, EndPath
+from rope_model.reference.equations import ALONG, HEIGHT, STRETCH, Equations, frame_at
 from rope_model.reference.generalized_alpha import Motion
 from rope_model.reference.mesh import Mesh
-from rope_model.rules.swivel_phases import Phase, SwivelState, moment_of_swivel, swivel_excess
-
-STRETCH = 4  #: column of the stretch of a plumb end, r'_Y
 
 
 @dataclass(frozen=True)
@@ -79,12 +77,12 @@ class Ends:
 
     def motion(self, t: float, nodes: int) -> Array:
         """Return q, v, a (3, nodes, 7) at ``t`` (s), of which the held entries count."""
-        motion = np.zeros((3, nodes, 7))
+        motion = np.zeros((3, nodes, NODE_DOF))
         for side, node in enumerate(END_NODE):
             path = self.paths[side].at(t)
-            motion[:, node, POSITION] = path[:, :3]
-            motion[0, node, 0] += SENSE[side] * 0.5 * self.scene.layout.spacing
-            motion[:, node, ANGLE] = SENSE[side] * path[:, 3]
+            motion[:, node, POSITION] = path[:, :YAW]
+            motion[0, node, ALONG] += SENSE[side] * 0.5 * self.scene.layout.spacing
+            motion[:, node, ANGLE] = SENSE[side] * path[:, YAW]
             motion[0, node, ANGLE] += self.offsets[side] + self.swivels[side].angle
         return motion
 
@@ -92,8 +90,8 @@ class Ends:
         """Return the swivel's angle b (rad) and its rate (rad/s)."""
         node = END_NODE[side]
         path = self.paths[side].at(motion.t)
-        angle = motion.q[node, ANGLE] - self.offsets[side] - SENSE[side] * path[0, 3]
-        rate = motion.v[node, ANGLE] - SENSE[side] * path[1, 3]
+        angle = motion.q[node, ANGLE] - self.offsets[side] - SENSE[side] * path[0, YAW]
+        rate = motion.v[node, ANGLE] - SENSE[side] * path[1, YAW]
         return float(angle), float(rate)
 
     def moment(self, side: int, reaction: Array) -> float:

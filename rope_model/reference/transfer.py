@@ -34,15 +34,18 @@ def transferred(fields: Array, old_s: Array, new_s: Array) -> Array:
     new_linear = _linear_shapes(new_s, points)
 
     new = np.zeros((len(fields), new_s.size, fields.shape[2]))
-    for old_x, new_x in zip(fields, new, strict=True):
-        new_x[[0, -1]] = old_x[[0, -1]]
-        missing = old_cubic @ _cubic_values(old_x) - new_cubic @ _cubic_values(new_x)
-        inner = np.linalg.lstsq(weights * new_cubic[:, 2:-2], weights * missing)[0]
-        new_x[1:-1, POSITION] = inner[0::2]
-        new_x[1:-1, SLOPE] = inner[1::2]
-        missing = old_linear @ old_x[:, [ANGLE]] - new_linear @ new_x[:, [ANGLE]]
-        inner = np.linalg.lstsq(weights * new_linear[:, 1:-1], weights * missing)[0]
-        new_x[1:-1, [ANGLE]] = inner
+    new[:, [0, -1]] = fields[:, [0, -1]]
+    # the fields are columns side by side: one search for all of them
+    old_r = np.hstack([_cubic_values(x) for x in fields])
+    new_r = np.hstack([_cubic_values(x) for x in new])
+    missing = old_cubic @ old_r - new_cubic @ new_r
+    inner = np.linalg.lstsq(weights * new_cubic[:, 2:-2], weights * missing)[0]
+    for k, new_x in enumerate(new):
+        new_x[1:-1, POSITION] = inner[0::2, 3 * k : 3 * k + 3]
+        new_x[1:-1, SLOPE] = inner[1::2, 3 * k : 3 * k + 3]
+    missing = old_linear @ fields[:, :, ANGLE].T - new_linear @ new[:, :, ANGLE].T
+    inner = np.linalg.lstsq(weights * new_linear[:, 1:-1], weights * missing)[0]
+    new[:, 1:-1, ANGLE] = inner.T
     return new
 
 

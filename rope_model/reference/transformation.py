@@ -14,13 +14,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from rope_model.method.stepping import RELAXATION_TIME
 from rope_model.parameters import Scene
 from rope_model.reference.energies import with_energies
 from rope_model.reference.mesh import transformed
 from rope_model.reference.newton import Cause, Failure, Guess, solve
 from rope_model.reference.state import Event, State
 from rope_model.reference.transfer import transferred
-from rope_model.rules.stepping import RELAXATION_TIME
 
 FIELDS = ("q", "v", "a", "b", "a_rate")
 
@@ -48,7 +48,7 @@ def with_mesh_for(scene: Scene, state: State, t: float) -> State | Failure:
         if found.cause is None:
             break
         if time <= scene.solver.step_min:
-            return Failure(Cause.NEW_MESH, m.t, time)
+            return Failure(Cause.NEW_MESH, m.t, "a transformation of the mesh")
         time = max(0.5 * time, scene.solver.step_min)
         moved = moved.counted(rejections=1)
     relaxed = replace(moved, motion=replace(motion, q=found.q)).with_angles(equations)

@@ -21,14 +21,14 @@ from evidence.tables import read, rows
 from hoist_demo.parameters import Winding
 from rope_model import Accuracy, Layout, Rope, Scene
 from rope_model.compiler import find_compiler
-from rope_model.physics.estimates import axial_frequency
-from rope_model.rules.mesh_fit import (
+from rope_model.method.mesh_fit import (
     LEG_GRADING,
     LEG_WAVES,
     LOCKING_SHARE,
     PUMPED_LEG,
     pumped_grading,
 )
+from rope_model.physics.estimates import axial_frequency
 
 TABLES = read(DOCS / "data" / "mesh_rule")
 FOUND = laws.fit(TABLES)

@@ -19,14 +19,15 @@ from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.parameters import Winding
 from rope_model import Air, Layout, Mesh, Model, Rope, Shaft, balance_rope, rope_120
+from rope_model.boundary.end_paths import EndMotion
+from rope_model.boundary.input_filter import InputFilter
 from rope_model.engine import NativeRope
 from rope_model.messages import warning_messages
 from rope_model.messages.rules import first_text
-from rope_model.rules.end_paths import SIDES, EndMotion
-from rope_model.rules.input_filter import InputFilter
-from rope_model.rules.result_warnings import WARNINGS
-from rope_model.rules.state import Crossing, RopeState
-from rope_model.rules.warning_rules import LONG_EXTRAPOLATION, MAX_EXTRAPOLATION
+from rope_model.physics.node import SIDES
+from rope_model.state import Crossing, RopeState
+from rope_model.warnings.result_warnings import WARNINGS
+from rope_model.warnings.warning_rules import LONG_EXTRAPOLATION, MAX_EXTRAPOLATION
 
 OUTPUTS = (
     "status.valid",

@@ -28,7 +28,7 @@ from fmu_src.python.export import export_fmu
 from hoist_demo.command_line.main import main
 from rope_model import BalanceRope, Scene, Swivel, balance_rope, rope_120
 from rope_model.reference.outputs import NAMES
-from rope_model.rules.signal_table import LOADS, SHAPE_POINTS, SIGNALS
+from rope_model.signals.signal_table import LOADS, SHAPE_POINTS, SIGNALS
 
 H = 0.02
 #: steps of a comparison with the rope in process: the first transformation is in the 50th

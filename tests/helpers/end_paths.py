@@ -4,10 +4,10 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from rope_model import Rope, Scene
-from rope_model.rules import input_filter, quintic
-from rope_model.rules.end_paths import EndMotion, EndPath
-from rope_model.rules.input_filter import FilterSettings, InputFilter, PathMeasures, settings_of
-from rope_model.rules.input_misfit import add_misfit
+from rope_model.boundary import input_filter, quintic
+from rope_model.boundary.end_paths import EndMotion, EndPath
+from rope_model.boundary.input_filter import FilterSettings, InputFilter, PathMeasures, settings_of
+from rope_model.boundary.input_misfit import add_misfit
 from rope_model.solver_parameters import Inputs, Trusted
 
 NO_MEASURES = PathMeasures((0.0,) * 6, (0.0,) * 4, (0.0,) * 4)

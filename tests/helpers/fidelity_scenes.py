@@ -3,7 +3,7 @@
 from scenes import fixed_steps, smooth_step
 
 from rope_model import Mesh, Rope, Scene
-from rope_model.rules.end_paths import EndMotion
+from rope_model.boundary.end_paths import EndMotion
 
 Ends = tuple[EndMotion, EndMotion]
 

@@ -19,20 +19,20 @@ import pytest
 from numpy.typing import NDArray
 
 from rope_model import compiler as kernels
+from rope_model.boundary.end_paths import EndMotion
+from rope_model.boundary.input_filter import InputFilter, PathMeasures
 from rope_model.codegen.build import sources
 from rope_model.codegen.state_structures import PARTS
 from rope_model.codegen.structures import GROUPS, EndMotionStructure, scene_structure
+from rope_model.method.mesh_pattern import NO_DIVIDERS
+from rope_model.method.newton import SMOOTH, NewtonLimits
+from rope_model.method.partition import Partition
 from rope_model.parameters import Scene
 from rope_model.physics.contact_element import CONTACT_BALANCE
-from rope_model.physics.node import arc_lengths
+from rope_model.physics.node import SIDES, arc_lengths
 from rope_model.physics.shaft import KINDS
-from rope_model.rules.end_paths import SIDES, EndMotion
-from rope_model.rules.input_filter import InputFilter, PathMeasures
-from rope_model.rules.mesh_pattern import NO_DIVIDERS
-from rope_model.rules.newton import SMOOTH, NewtonLimits
-from rope_model.rules.partition import Partition
-from rope_model.rules.state import Nearest
 from rope_model.solver_parameters import Inputs, Mesh, MeshKind
+from rope_model.state import Nearest
 
 Array = NDArray[np.float64]
 

@@ -23,7 +23,7 @@ from rope_model import (
     rope_120,
     rope_240,
 )
-from rope_model.rules.fidelity import Fidelity
+from rope_model.fidelity.choice import Fidelity
 
 Ends = tuple[EndMotion, EndMotion]
 Motion = Callable[[float], Ends]

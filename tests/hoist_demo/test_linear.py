@@ -136,7 +136,7 @@ def test_rope_alone_has_its_natural_modes(mode: int, more: dict[str, float]) -> 
     ends = EndMotion(y=20.0), EndMotion(y=70.0)
     rope = NativeRope(scene)
     assert rope.initialize(0.0, *ends).valid
-    assert rope.let_turn().valid
+    assert rope.release_free_swivels().valid
     modes = natural_modes(rope, 8)
     found = linearise_rope(scene, *ends)
     # ARPACK stops at sqrt(eps); a rope in free swivels spins

@@ -27,9 +27,9 @@ from rope_model import (
     Swivel,
     balance_rope,
 )
-from rope_model.rules.generalized_alpha import Motion
-from rope_model.rules.partition import Partition
-from rope_model.rules.state import RopeState
+from rope_model.method.generalized_alpha import Motion
+from rope_model.method.partition import Partition
+from rope_model.state import RopeState
 
 #: a rope with all that its state can hold: guards, a floor that it presses, a swivel that slips, wires that rub
 FULL = Scene(

@@ -31,9 +31,11 @@ from rope_model import (
 )
 from rope_model.compiler import find_compiler
 from rope_model.engine import NativeRope
-from rope_model.physics import accuracy
-from rope_model.physics.accuracy import turned_by_mesh
-from rope_model.rules.generalized_alpha import Coefficients, local_error
+from rope_model.method import step_errors
+from rope_model.method.generalized_alpha import Coefficients, local_error
+from rope_model.method.mesh_error import length_for, locking_error, turned_by_mesh
+from rope_model.method.step_control import step_limits
+from rope_model.physics.estimates import axial_frequency
 
 ROPE = Rope(length=400.0, beta_K=0.0)
 CONSTANT = float(local_error(Coefficients(0.6), 1.0, 1.0))
@@ -44,35 +46,35 @@ def test_errors_of_a_wave_add_up_to_its_phase() -> None:
     leg = 300.0
     h = 0.01
     n = 400
-    omega = accuracy.axial_frequency(ROPE, leg)
+    omega = axial_frequency(ROPE, leg)
     turn = CONSTANT * (omega * h) ** 3
-    sums = accuracy.ErrorSums()
+    sums = step_errors.ErrorSums()
     rates = omega * np.sin(omega * h * np.arange(n + 1))
     for pace in np.diff(rates) / h:
-        sums = accuracy.add_errors(
+        sums = step_errors.add_errors(
             Scene(ROPE), sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, ROPE.Qa
         )
     t = h * np.arange(n)
-    lasts = accuracy.wave_duration(ROPE, omega)
+    lasts = step_errors.wave_duration(ROPE, omega)
     off = turn * lasts / h * (1 - np.exp(-t / lasts)) * np.sin(omega * t)
     # of each turn half is seen, and doubled: what goes with twice the wave's frequency is of one
     # step's size
-    assert_allclose(accuracy.end_force_error(ROPE, sums), np.sqrt(np.mean(off**2)), rtol=0.01)
+    assert_allclose(step_errors.end_force_error(ROPE, sums), np.sqrt(np.mean(off**2)), rtol=0.01)
 
 
 def test_errors_that_go_with_no_wave_do_not_add_up() -> None:
     leg = 300.0
     h = 0.01
     scene = Scene(ROPE)
-    sums = accuracy.ErrorSums()
+    sums = step_errors.ErrorSums()
     rng = np.random.default_rng(1)
     for pace in 1e-9 / (CONSTANT * h * h) * rng.standard_normal(4000):
-        sums = accuracy.add_errors(
+        sums = step_errors.add_errors(
             scene, sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, ROPE.Qa
         )
-    assert accuracy.end_force_error(ROPE, sums) < accuracy.RATE_ERROR_FACTOR * 1e-9 * math.sqrt(
-        4000
-    )
+    assert step_errors.end_force_error(
+        ROPE, sums
+    ) < step_errors.RATE_ERROR_FACTOR * 1e-9 * math.sqrt(4000)
 
 
 def swing(omega: float, damping: float, h: float, duration: float) -> NDArray[np.float64]:
@@ -110,22 +112,22 @@ def test_the_error_of_a_forced_wave_is_estimated_however_many_radians_a_step_tak
     """From .04 to 3.9 radians; were the wave not stiff the estimate would be 2.3 times too large."""
     rope = Rope(length=leg / 0.7)
     duration = 4.0
-    omega = float(accuracy.axial_frequency(rope, leg))
+    omega = float(axial_frequency(rope, leg))
     found = swing(omega, rope.beta_K, h, duration)
     exact = swing(omega, rope.beta_K, h / 40, duration)[39::40]
     scene = Scene(rope)
-    sums = accuracy.ErrorSums()
+    sums = step_errors.ErrorSums()
     for _, pace in found:
-        sums = accuracy.add_errors(
+        sums = step_errors.add_errors(
             scene, sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, rope.Qa
         )
     off = np.sqrt(np.mean((found[:, 0] - exact[:, 0]) ** 2))
-    assert 0.5 < accuracy.end_force_error(rope, sums) / off < 1.5
+    assert 0.5 < step_errors.end_force_error(rope, sums) / off < 1.5
 
 
 def test_a_wave_lasts_as_its_damping_lets_it_and_without_for_so_many_radians() -> None:
     waves = (1e-3, 100.0), (0.0, 100.0), (0.0, 1.0)
-    found = [accuracy.wave_duration(Rope(beta_K=damping), omega) for damping, omega in waves]
+    found = [step_errors.wave_duration(Rope(beta_K=damping), omega) for damping, omega in waves]
     assert_allclose(found, [2.0 / (1e-3 * 100.0**2), 2.0 * 400.0 / 2.0 / 100.0, 60.0], rtol=1e-12)
 
 
@@ -133,7 +135,7 @@ def test_a_wave_lasts_as_its_damping_lets_it_and_without_for_so_many_radians() -
 def test_ten_times_the_accuracy_takes_a_tenth_of_what_a_step_may_leave(asked: float) -> None:
     scenes = (Scene(ROPE, accuracy=Accuracy(a, 10 * a)) for a in (asked / 10, asked))
     strict, loose = (
-        accuracy.step_limits(scene, accuracy.ErrorSums(), 200.0, 10.0, CONSTANT) for scene in scenes
+        step_limits(scene, step_errors.ErrorSums(), 200.0, 10.0, CONSTANT) for scene in scenes
     )
     # errors are of second order in the step
     for name, factor in {
@@ -149,11 +151,7 @@ def test_ten_times_the_accuracy_takes_a_tenth_of_what_a_step_may_leave(asked: fl
 @pytest.mark.parametrize("error", [0.05, 5e-3, 5e-4, 5e-5])
 def test_elements_for_an_error_have_half_of_it_to_all_of_it(EI: float, error: float) -> None:
     scene = Scene(Rope(EI=EI))
-    assert (
-        0.5 * error
-        <= accuracy.locking_error(scene, accuracy.length_for(scene, error))
-        <= error * (1 + 1e-12)
-    )
+    assert 0.5 * error <= locking_error(scene, length_for(scene, error)) <= error * (1 + 1e-12)
 
 
 #: drawn at random, as everything of evidence.promise is
@@ -217,7 +215,7 @@ def test_even_steps_put_the_loop_off_by_what_the_flow_through_it_lets_expect() -
     peak = max(point.speed for point in s_curve(trip).points)
     for h, run in ((0.02, long), (0.01, short)):
         off = np.linalg.norm(run[:, 6:] - fine[:, 6:], axis=1).max()
-        assert_allclose(off, accuracy.flow_error(scene, 2 * peak, h), rtol=0.35)
+        assert_allclose(off, step_errors.flow_error(scene, 2 * peak, h), rtol=0.35)
 
 
 def test_clamps_which_hold_the_strain_of_their_node_do_not_hide_the_error_of_the_end_forces() -> (

@@ -19,10 +19,10 @@ from rope_model import (
     Stations,
     balance_rope,
 )
+from rope_model.fidelity.choice import Fidelity
 from rope_model.physics.estimates import loop_width, natural_width
 from rope_model.physics.node import arc_lengths
-from rope_model.rules.fidelity import Fidelity
-from rope_model.rules.signal_table import SHAPE_POINTS
+from rope_model.signals.signal_table import SHAPE_POINTS
 
 HIGH = 12.0
 TRAVEL = 8.0

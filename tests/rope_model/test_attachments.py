@@ -26,7 +26,7 @@ from rope_model import (
 from rope_model.analysis.modes import natural_modes
 from rope_model.codegen.structures import scene_structure
 from rope_model.engine import NativeRope
-from rope_model.rules.swivel_phases import Phase
+from rope_model.method.swivel_phases import Phase
 from rope_model.solver_parameters import Model
 
 Array = NDArray[np.float64]

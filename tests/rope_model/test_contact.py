@@ -16,6 +16,8 @@ from scenes import hung, smooth_step, wound
 from shared import difference
 
 from rope_model import EndMotion, Mesh, Rope, Scene, Solver, balance_rope
+from rope_model.method.mesh_fit import BLOW
+from rope_model.method.mesh_pattern import WINDOW_DUE
 from rope_model.physics import hermite
 from rope_model.physics.contact import (
     ONSET,
@@ -42,8 +44,6 @@ from rope_model.physics.element import (
 )
 from rope_model.physics.rope_contact import points_skipped
 from rope_model.physics.shaft import KINDS, Body, distance, normal
-from rope_model.rules.mesh_fit import BLOW
-from rope_model.rules.mesh_pattern import WINDOW_DUE
 from rope_model.shaft_parameters import Contact, Divider, Lining, Shaft, Sump
 
 DIAMETER = 0.044

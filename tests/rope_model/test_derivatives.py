@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 
 from rope_model import EndMotion, rope_120
 from rope_model.engine import NativeRope
-from rope_model.rules.signal_table import LOADS
+from rope_model.signals.signal_table import LOADS
 
 #: of the largest entry: differences of steps at the default tolerance of Newton's method are no
 #: better

@@ -13,9 +13,9 @@ from numpy.testing import assert_allclose
 from scenes import CHOICES, Choice, wound
 
 from rope_model import BalanceRope, Model, Rope, Scene, Swivel, balance_rope
-from rope_model.rules.end_paths import EndMotion, EndPath
-from rope_model.rules.fidelity import FIDELITIES, choose_fidelity, lowest_sufficient
-from rope_model.rules.fidelity_rules import expected_travel, force_error
+from rope_model.boundary.end_paths import EndMotion, EndPath
+from rope_model.fidelity.choice import FIDELITIES, choose_fidelity, lowest_sufficient
+from rope_model.fidelity.fidelity_rules import expected_travel, force_error
 
 H = 0.01
 FREE = Swivel(mode="free")
@@ -192,7 +192,7 @@ def test_auto_switches_up_without_a_jump(
 
 
 @pytest.mark.parametrize(
-    ("tolerance", "why"), [(0.1, "it errs by an estimated"), (0.9, "goes slack")]
+    ("tolerance", "why"), [(0.1, "its estimated error is"), (0.9, "goes slack")]
 )
 def test_rigid_rope_becomes_flexible_when_it_errs_too_much_or_would_go_slack(
     tolerance: float, why: str

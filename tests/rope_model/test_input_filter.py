@@ -23,7 +23,7 @@ from rope_model import (
     balance_rope,
     rope_120,
 )
-from rope_model.rules.input_filter import settings_of
+from rope_model.boundary.input_filter import settings_of
 from rope_model.solver_parameters import Trusted
 
 TRIP = s_curve(Winding(travel=TRAVEL, speed=4.0, start_delay=0.2))

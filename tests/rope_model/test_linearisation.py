@@ -73,7 +73,7 @@ def test_a_rope_whose_wires_rub_has_a_linear_model_with_a_free_swivel() -> None:
     rope = Rope(EI_stick=3000.0, installed_twist=1.0)
     engine = hung(rope, left=Swivel(mode="locked"), right=FREE)
     assert not engine.linear_facts().free[-1, 6]
-    assert engine.let_turn().valid
+    assert engine.release_free_swivels().valid
     assert engine.linear_facts().rubs
     assert engine.linear_facts().free[-1, 6]
     assert abs(engine.signals(["left.my"])["left.my"]) < 1e-6
@@ -86,7 +86,7 @@ def test_a_rope_that_may_spin_as_a_whole_flows_as_one_that_may_not() -> None:
     models = []
     for left in (Swivel(mode="locked"), FREE):
         engine = hung(Rope(Qb=0.0, Qc=0.0), left=left, right=FREE)
-        assert engine.let_turn().valid
+        assert engine.release_free_swivels().valid
         models.append(linear_rope(engine, speed=6.0))
     one, both = models
     assert both.free.sum() == one.free.sum() + 1

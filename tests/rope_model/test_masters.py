@@ -17,8 +17,8 @@ from native_host import Host
 from numpy.testing import assert_allclose
 from scenes import smooth_trip
 
+from rope_model.boundary.end_paths import EndMotion
 from rope_model.cases import rope_120
-from rope_model.rules.end_paths import EndMotion
 
 MASS_PER_LENGTH = rope_120().scene.rope.mass_per_length
 FORCES = ("left.fy", "right.fy")

@@ -21,13 +21,13 @@ from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.parameters import Winding
 from rope_model import Model, Scene, Swivel, balance_rope
+from rope_model.method import mesh_pattern as tmn
+from rope_model.method.mesh_fit import DUE
+from rope_model.method.mesh_pattern import NO_DIVIDERS, inner_length, min_outer, transformation_due
+from rope_model.method.partition import Partition
 from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.physics.node import ANGLE, POSITION, SLOPE
 from rope_model.reference.transfer import transferred
-from rope_model.rules import mesh_pattern as tmn
-from rope_model.rules.mesh_fit import DUE
-from rope_model.rules.mesh_pattern import NO_DIVIDERS, inner_length, min_outer, transformation_due
-from rope_model.rules.partition import Partition
 from rope_model.solver_parameters import Mesh
 
 

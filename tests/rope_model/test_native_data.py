@@ -19,15 +19,16 @@ from shared import Array
 
 from fmu_src.interface import variables
 from rope_model import Rope, RopeCase, Scene, Swivel, scene_names
+from rope_model.boundary.end_paths import MOTION_BOUNDS, EndMotion
+from rope_model.boundary.input_filter import InputFilter
 from rope_model.codegen.structures import EndMotionStructure, SceneStructure, scene_structure
-from rope_model.rules.end_paths import MOTION_BOUNDS, SIDES, EndMotion
-from rope_model.rules.fidelity import (
+from rope_model.fidelity.choice import (
     FIDELITIES,
     choose_fidelity,
     lowest_sufficient,
     unsupported_motion,
 )
-from rope_model.rules.input_filter import InputFilter
+from rope_model.physics.node import SIDES
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
 from rope_model.solver_parameters import FidelityChoice, Inputs, Model
 

@@ -12,12 +12,12 @@ from native_parts import Array, CLoopBottom, interpolate, loop_bottom, partition
 from numpy.testing import assert_allclose
 
 from rope_model import Mesh
+from rope_model.method.sampling import FINE, OUTLINE
 from rope_model.physics.centreline import heading, nearest_turn, squared_distance
 from rope_model.physics.node import arc_lengths
 from rope_model.reference.outputs import lowest_point
 from rope_model.reference.statics import hanging_guess
-from rope_model.rules.result_warnings import ends_yaw
-from rope_model.rules.sampling import FINE, OUTLINE
+from rope_model.warnings.result_warnings import ends_yaw
 
 hangings = st.tuples(
     *(st.floats(*bounds) for bounds in ((0.3, 6.0), (-30, 30), (-2, 2), (0.2, 4.0), (40, 200)))

@@ -5,7 +5,7 @@ import math
 import pytest
 from native_parts import CProgress, newton_judge
 
-from rope_model.rules.newton import UNKNOWN, NewtonStatus
+from rope_model.method.newton import UNKNOWN, NewtonStatus
 
 
 @pytest.mark.parametrize(

@@ -91,7 +91,7 @@ def hung_up(
     engine = NativeRope(scene)
     status = engine.initialize(0.0, EndMotion(y=0.5 * height), EndMotion(y=-0.5 * height))
     assert status.valid, status.message
-    assert engine.let_turn().valid
+    assert engine.release_free_swivels().valid
     return engine
 
 

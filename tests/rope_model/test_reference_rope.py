@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -35,16 +36,19 @@ from rope_model import (
     balance_rope,
 )
 from rope_model.arrays import Array
+from rope_model.physics.element import element_functions
+from rope_model.physics.hermite import missing_load
 from rope_model.physics.node import ANGLE, arc_lengths
-from rope_model.reference import generalized_alpha, statics
+from rope_model.reference import generalized_alpha, newton, statics, transformation
+from rope_model.reference.elements import GROUP, over_elements
 from rope_model.reference.equations import Equations
 from rope_model.reference.generalized_alpha import Motion
 from rope_model.reference.outputs import NAMES
 from rope_model.reference.rope import ReferenceRope
 from rope_model.reference.scope import NO_BODIES, PUBLISHED
 from rope_model.reference.transfer import transferred
-from rope_model.rules.signal_table import SIGNALS
 from rope_model.scene_names import named_parameters
+from rope_model.signals.signal_table import SIGNALS
 
 GRAVITY = 9.81
 #: m, a step of the host in the scenes below
@@ -143,6 +147,18 @@ def test_tangent_is_the_derivative_of_the_residual_at_rest() -> None:
     assert_allclose(tangent.solve(change), x, atol=1e-6)
 
 
+def load_on_ends(before: Array, after: Array) -> Array:
+    """Integral of before - after times the shape functions of r and theta at both ends."""
+    l = 0.5  # m, of the end elements
+    left, right = (
+        np.array(missing_load(0.0, l, 0.0, l, 0.0, l, before[nodes].ravel(), after[nodes].ravel()))
+        for nodes in (slice(None, 2), slice(-2, None))
+    )
+    of_left = [*range(3), 12]  # r1 and theta1 of its entries
+    of_right = [*range(6, 9), 13]  # r2 and theta2
+    return np.asarray(left[of_left] + right[of_right])
+
+
 def test_transfer_keeps_momentum_where_elements_merge_and_splits_exactly() -> None:
     rng = np.random.default_rng(2)
     fine_s = np.linspace(0.0, 8.0, 17)
@@ -158,12 +174,29 @@ def test_transfer_keeps_momentum_where_elements_merge_and_splits_exactly() -> No
 
     merged = transferred(fields, fine_s, coarse_s)
     for before, after in zip(fields, merged, strict=True):
-        # the shape functions of all inner nodes add up to 1 between the outermost elements
+        # the shape functions of r at all nodes add up to 1, as those of theta do: what is missing is
+        # the load on the held ends alone
         missing = momentum(before, fine_s) - momentum(after, coarse_s)
-        assert np.abs(missing).max() < 2e-2 * np.abs(momentum(np.abs(before), fine_s)).max()
+        assert_allclose(missing, load_on_ends(before, after), atol=1e-12)
     split = transferred(merged, coarse_s, fine_s)
     again = transferred(split, fine_s, coarse_s)
     assert_allclose(again, merged, atol=1e-12)
+
+
+@pytest.mark.parametrize("elements", [3, GROUP, GROUP + 5])
+def test_function_over_elements_has_the_value_of_each_element(elements: int) -> None:
+    rng = np.random.default_rng(5)
+    tangent = element_functions().tangent
+    varying = [1.0 + rng.random((tangent.numel_in(k), elements)) for k in range(5)]
+    same = [1.0 + rng.random((tangent.numel_in(5), 1)), 1.0, 2.0, 3.0]
+    prestress = 1.0 + rng.random((tangent.numel_in(9), elements))
+    forces, tangents = over_elements(tangent)(elements, *varying, *same, prestress)
+    for k in range(elements):
+        of_one = tangent(*(x[:, k] for x in varying), *same, prestress[:, k])
+        for found, expected in zip((forces, tangents), of_one, strict=True):
+            values = np.asarray(expected).ravel(order="F")
+            # the same operations; sums of some hundred terms are rounded alike or nearly
+            assert_allclose(found[:, k], values, rtol=0, atol=1e-13 * np.abs(values).max())
 
 
 # the engine
@@ -413,6 +446,35 @@ def test_steps_that_fail_are_repeated_smaller_and_reported_at_last() -> None:
     assert rope.save() == before
 
 
+def test_corrections_of_the_search_for_an_event_count_as_work(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    corrections = []
+
+    def counted(*arguments: Any, **keywords: Any) -> newton.Solution:
+        found = newton.solve(*arguments, **keywords)
+        corrections.append(found.corrections)
+        return found
+
+    monkeypatch.setattr(generalized_alpha, "solve", counted)
+    dry = replace(FEW, left=DRY, right=DRY).scene(0.02)
+    rope = wound(balance_rope(dry, "reference"), winding, 12, step=H)
+    values = rope.signals(["count.swivel_events", "count.newton"])
+    assert values["count.swivel_events"] > 0
+    assert values["count.newton"] == sum(corrections)
+
+
+def test_transformation_that_fails_is_reported_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    def diverges(equations: Equations, guess: newton.Guess, *_: Any, **__: Any) -> newton.Solution:
+        return newton.Solution(*guess, guess.q, 1, newton.Cause.DIVERGED)
+
+    monkeypatch.setattr(transformation, "solve", diverges)
+    rope = hung(balance_rope(replace(FEW, mesh=SMALL_TMN).scene(0.02), "reference"), *winding(0.0))
+    statuses = [rope.advance_to(k * H, *winding(k * H)) for k in range(1, 28)]
+    failed = [status.message for status in statuses if not status.valid]
+    assert "a transformation of the mesh fails: Newton's method does not converge" in failed[0]
+
+
 @pytest.mark.parametrize(
     ("part", "told"),
     [
@@ -475,13 +537,17 @@ def test_reference_shares_tables_and_rules_with_the_engine_and_no_control_flow()
     modules = {name for name in found if name.startswith("rope_model.")}
     allowed = (
         "arrays",
+        "boundary",
+        "fidelity",
         "interface",
+        "method",
         "parameters",
         "physics",
         "reference",
-        "rules",
         "scene_names",
+        "signals",
         "solver_parameters",
+        "state",
     )
     assert {name for name in modules if name.split(".")[1] not in allowed} == set()
 

@@ -30,11 +30,11 @@ from rope_model import (
     balance_rope,
     rope_120,
 )
+from rope_model.boundary.bodies import NO_ROOM, RESOLUTION
 from rope_model.messages.rules import first_text
 from rope_model.physics import shaft as physics
 from rope_model.physics.node import arc_lengths
-from rope_model.physics.shaft import KINDS, Body, distance, least_distance
-from rope_model.rules.bodies import NO_ROOM, RESOLUTION
+from rope_model.physics.shaft import KINDS, Body, distance, min_distance
 from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 
 #: of the distances: sqrt(TINY), and places to 1e4 m in double precision
@@ -108,7 +108,7 @@ points = st.tuples(*[st.floats(-6.0, 6.0)] * 3)
 def test_no_point_of_a_box_is_nearer_than_its_least_distance(
     body: Body, centre: Any, extent: Any, others: Any
 ) -> None:
-    least = least_distance(centre, extent, body)
+    least = min_distance(centre, extent, body)
     for part in others:  # of the half widths, as sixths
         point = tuple(c + e * p / 6.0 for c, e, p in zip(centre, extent, part, strict=True))
         assert distance(point, body) >= least - EXACT

@@ -21,13 +21,13 @@ from rope_model import (
     Swivel,
     balance_rope,
 )
+from rope_model.method.statics import lacks_symmetry
+from rope_model.method.swivel_phases import Phase, SwivelState, swivel_excess
 from rope_model.physics.swivel import friction_moment
 from rope_model.reference.ends import SENSE, EndPath, onwards
 from rope_model.reference.rope import ReferenceRope
 from rope_model.reference.swivel import Ends as ReferenceEnds
-from rope_model.rules.state import Event
-from rope_model.rules.statics import lacks_symmetry
-from rope_model.rules.swivel_phases import Phase, SwivelState, swivel_excess
+from rope_model.state import Event
 
 # a short soft rope whose axial waves an explicit reference integrator can follow
 SOFT = Rope(length=8.0, Qa=2e4, Qb=0.0, Qc=0.0, Qd=10.0, EI=60.0, rhoJ=0.02, beta_K=2e-3)
@@ -187,20 +187,22 @@ def test_switching_instants_agree_with_an_independent_event_located_solution() -
 
 
 def test_friction_only_takes_energy_and_the_balance_closes() -> None:
-    rope = balance_rope(scene(left=STIFF_BEARING, right=STIFF_BEARING))
-
     def yawing(t: float) -> Ends:
         yaw, rate, _ = (YAW * x for x in smooth_step(t, 0.0, YAWED))
         return EndMotion(), EndMotion(yaw=yaw, yaw_rate=rate)
 
-    dissipated = [
-        rope.state.energy_balance.dissipated_swivel for _ in followed(rope, yawing, 60, 0.02)
-    ]
-    assert np.all(np.diff(dissipated) >= -1e-15)
-    assert dissipated[-1] > 0.01
-    energy_balance = rope.state.energy_balance
-    # what the integrator itself takes is small against what the friction takes
-    assert abs(energy_balance.residual) < 0.02 * dissipated[-1]
+    residuals = []
+    for step in (2e-3, 1e-3):
+        rope = balance_rope(scene(step, left=STIFF_BEARING, right=STIFF_BEARING))
+        dissipated = [
+            rope.state.energy_balance.dissipated_swivel for _ in followed(rope, yawing, 60, 0.02)
+        ]
+        assert np.all(np.diff(dissipated) >= -1e-15)
+        assert dissipated[-1] > 0.01
+        residuals.append(rope.state.energy_balance.residual)
+    # the method and the trapezoidal rule of the powers are of second order, and events are located:
+    # the balance closes with the square of the step, up to terms of the next order (found: 4.02)
+    assert_allclose(residuals[0] / residuals[1], 4.0, rtol=0.05)
 
 
 def test_release_at_its_time_and_not_before() -> None:

@@ -27,9 +27,10 @@ from numpy.typing import NDArray
 from hoist_demo.cosimulation.participants.plain_data import from_bytes, to_bytes
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.participants.rope_group import WholeRope
-from hoist_demo.cosimulation.schemes.interface import ENDS, SUCCESS, Reader, end_signals
+from hoist_demo.cosimulation.schemes.interface import SUCCESS, Reader, end_signals
 from hoist_demo.parameters import GRAVITY
-from rope_model import BalanceRope, EndMotion, Status
+from rope_model import SIDES, BalanceRope, EndMotion, Status
+from rope_model.physics.inextensible import left_leg_length
 
 _TAG = "rope that breaks"
 _ZERO_LOADS = end_signals("fx", "fz", "mx", "my", "mz")  #: Loads that a broken rope does not have.
@@ -145,7 +146,7 @@ class BreakingRope:
             return self._rope.step(t, h, left, right)
         before = self._outputs
         now = self._loads(t + h, self._ends)
-        means = {f"{end}.fy_mean": 0.5 * (before[f"{end}.fy"] + now[f"{end}.fy"]) for end in ENDS}
+        means = {f"{end}.fy_mean": 0.5 * (before[f"{end}.fy"] + now[f"{end}.fy"]) for end in SIDES}
         self._outputs = now | means
         return SUCCESS
 
@@ -153,7 +154,7 @@ class BreakingRope:
         """Return the pieces of a rope that breaks at t [s], left and right."""
         left, right = self._ends
         at = self._at
-        leg = 0.5 * (self._length + left.y - right.y)
+        leg = left_leg_length(self._length, left.y, right.y)
         return (
             Piece.of(t, self._mass, length=at.s, leg=leg, ends=(left, right), gravity=at.gravity),
             Piece.of(
@@ -169,7 +170,7 @@ class BreakingRope:
     def _loads(self, t: float, ends: _Ends) -> dict[str, float]:
         """Return the outputs of the broken rope by name."""
         outputs = dict.fromkeys(_ZERO_LOADS, 0.0)
-        for name, piece, end in zip(ENDS, self._pieces or (), ends, strict=True):
+        for name, piece, end in zip(SIDES, self._pieces or (), ends, strict=True):
             load = piece.load(t, end)
             outputs[f"{name}.fy"] = load.force
             outputs[f"{name}.fy_mean"] = load.force

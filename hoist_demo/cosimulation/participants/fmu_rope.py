@@ -40,7 +40,6 @@ from hoist_demo.cosimulation.participants.library_calls import (
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
 from hoist_demo.cosimulation.schemes.interface import (
     ADDED_MASSES,
-    ENDS,
     ROPE_FORCES,
     SUCCESS,
     Reader,
@@ -48,7 +47,7 @@ from hoist_demo.cosimulation.schemes.interface import (
 )
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.fidelity import FIDELITY
-from rope_model import EndMotion, Status
+from rope_model import SIDES, EndMotion, Status
 
 _log = logging.getLogger(__name__)
 INPUTS = tuple(field.name for field in fields(EndMotion))  #: Names of an end's inputs.
@@ -184,7 +183,10 @@ class FmuRope:
 
     def _status_of(self, call: str, status: int) -> Status:
         """Return the status of a step that has failed in one of its calls, which C has made."""
-        names = {"MOTIONS": f"Set{self._variable(f'{ENDS[0]}.{INPUTS[0]}').type}", "STEP": "DoStep"}
+        names = {
+            "MOTIONS": f"Set{self._variable(f'{SIDES[0]}.{INPUTS[0]}').type}",
+            "STEP": "DoStep",
+        }
         if call in names:
             return self._failure_status(CallError(self._fmu.name_in_c(names[call]), status))
         try:

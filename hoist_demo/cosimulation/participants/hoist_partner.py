@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 
 from hoist_demo.cosimulation.schemes.interface import (
-    ENDS,
     SUCCESS,
     InterfaceMotion,
     Load,
@@ -21,7 +20,7 @@ from hoist_demo.cosimulation.schemes.interface import (
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES, WORK_NAMES
 from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.drive.plant import HoistPlant, PlantState, PlantStep
-from rope_model import EndMotion, Status
+from rope_model import SIDES, EndMotion, Status
 
 _POSITION, _SPEED, _ACCELERATION = (
     slice(OUTPUT_INDEX[f"{name}_left"], OUTPUT_INDEX[f"{name}_right"] + 1) for name in "yva"
@@ -33,12 +32,12 @@ _START, _LINEAR, _QUADRATIC = (
 _TORQUE = INPUT_NAMES.index("torque_command")
 _BRAKE = INPUT_NAMES.index("brake")
 _SIDES = slice(INPUT_NAMES.index("fx_left"), len(INPUT_NAMES))
-_LEFT_WORK, _RIGHT_WORK = (WORK_NAMES.index(end) for end in ENDS)
+_LEFT_WORK, _RIGHT_WORK = (WORK_NAMES.index(end) for end in SIDES)
 _LATERAL = ("x", "z", "vx", "vz", "ax", "az", "yaw", "yaw_rate")
 #: Places in OUTPUTS of the lateral motion of each end, (2, 8).
 _LATERAL_OUTPUTS = np.reshape(
-    [OUTPUT_INDEX[f"{name}_{end}"] for end, name in product(ENDS, _LATERAL)],
-    (len(ENDS), len(_LATERAL)),
+    [OUTPUT_INDEX[f"{name}_{end}"] for end, name in product(SIDES, _LATERAL)],
+    (len(SIDES), len(_LATERAL)),
 )
 _AT_REST = (0.0,) * len(_LATERAL)
 

@@ -96,9 +96,8 @@ class RopeLibrary:
     step: Access  # the function alone
     motions: Access  # motions of the ends, to be set
     table: Callable[[Sequence[str], int], OutputTable]  # makes a table of outputs with so many rows
-    status: Callable[
-        [str, int], Status
-    ]  # of a step, by a name in CALLS and the status of that call
+    # of a step, by a name in CALLS and the status of that call
+    status: Callable[[str, int], Status]
     valid: Access | None = None
     warning: Any = None  # rope_warning, of a rope that does not report its warnings itself
     warned: Any = None  # a flag for each warning, 1 once it is logged

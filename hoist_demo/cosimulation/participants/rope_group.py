@@ -19,15 +19,9 @@ from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.plain_data import from_bytes, to_bytes
 from hoist_demo.cosimulation.participants.rope_data import RopeData
-from hoist_demo.cosimulation.schemes.interface import (
-    ADDED_MASSES,
-    ENDS,
-    Reader,
-    RopePlant,
-    end_signals,
-)
+from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, Reader, RopePlant, end_signals
 from hoist_demo.parameters.suspension import MOVED, SuspensionOffset, moment_at, motion_at
-from rope_model import Account, BalanceRope, EndMotion, Neighbours, Status
+from rope_model import SIDES, Account, BalanceRope, EndMotion, Neighbours, Status
 
 _TAG = "ropes of one hoist"
 MEANS = end_signals("fy_mean")
@@ -348,9 +342,9 @@ def _end(
 
 def _moments(values: _Array, suspension: SuspensionOffset, conveyances: _Ends) -> _Array:
     """Return the moments of a rope's forces about the centres, in the order of _END_LOADS."""
-    loads = values[: len(_END_LOADS)].reshape(len(ENDS), len(_LOADS))
+    loads = values[: len(_END_LOADS)].reshape(len(SIDES), len(_LOADS))
     moments = np.zeros(loads.shape)
-    for k, end in enumerate(ENDS):
+    for k, end in enumerate(SIDES):
         force = loads[k, :3].tolist()
         moments[k, 3:] = moment_at(suspension.at(end), conveyances[k].yaw, force)
     return moments.ravel()

@@ -16,15 +16,14 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rope_model import EndMotion, Status
+from rope_model import SIDES, EndMotion, Status
 
 Vector = NDArray[np.float64]
-ENDS = ("left", "right")
 
 
 def end_signals(*names: str) -> tuple[str, ...]:
     """Return these signals of the rope's left end, then those of its right end."""
-    return tuple(f"{end}.{name}" for end, name in product(ENDS, names))
+    return tuple(f"{end}.{name}" for end, name in product(SIDES, names))
 
 
 #: The rope's signals: forces now, and their means over the last step; without them no loop can run.
@@ -196,7 +195,7 @@ class CoupledSystem:
         self._read_added_masses = rope.reader(ADDED_MASSES)
         self._forces: Vector | None = None  # ROPE_FORCES, None where they have to be read
         self._work_before = 0.0  # J, on the drive, where the step began
-        self._position_before = np.zeros(len(ENDS))  # m, of the drive, where the step began
+        self._position_before = np.zeros(len(SIDES))  # m, of the drive, where the step began
 
     def step_rope(self, t: float, h: float, motion: InterfaceMotion) -> Status:
         """Advance the rope from t to t + h [s], where the motion holds."""
@@ -228,7 +227,7 @@ class CoupledSystem:
         """Return the rope's force now, and its mean over the last step, each (n,) [N]."""
         if self._forces is None:
             self._forces = self._read_forces()
-        return self._forces[: len(ENDS)], self._forces[len(ENDS) :]
+        return self._forces[: len(SIDES)], self._forces[len(SIDES) :]
 
     def added_mass(self) -> Vector:
         """Return the fall of the forces per acceleration that grows over a step, (n,) [kg].

@@ -1,4 +1,4 @@
-/* The bodies of a scene at their present places. Formulas and tables: rope_model/rules/bodies.py. */
+/* The bodies of a scene at their present places. Formulas and tables: rope_model/boundary/bodies.py. */
 
 #include "bodies.h"
 

@@ -1,7 +1,7 @@
 /* Bodies around a rope for its equations of motion: positions, velocities, and distances from its elements.
 
    A moving body follows an end of the rope, whose rows in q and v give its position and velocity. Rope below a
-   conveyance touches neither it nor its head ropes within OWN_LENGTH of the suspension. */
+   conveyance touches neither it nor its head ropes within UNCHECKED_LENGTH of the suspension. */
 
 #include "obstacles.h"
 
@@ -43,8 +43,8 @@ static void place_bodies(const System *sys, const double *q, const double *v) {
 }
 
 /* Return a lower bound of the distance of the rope's surface in a box from body k. */
-static double least_distance(const System *sys, int k, const double box[6]) {
-    return body_least_distance(box, box + 3, &sys->obstacles->placed[k].body) -
+static double min_distance(const System *sys, int k, const double box[6]) {
+    return body_min_distance(box, box + 3, &sys->obstacles->placed[k].body) -
            0.5 * sys->obstacles->scene->rope.diameter;
 }
 
@@ -57,9 +57,9 @@ static bool search_elements(const System *sys, const double *q, int k, int first
     for (int e = first; e < last; along += sys->lengths[e++]) {
         const double middle = along + 0.5 * sys->lengths[e], *x = q + (size_t)e * DOF;
         double box[6];
-        if (side != FIXED && (side == LEFT ? middle : total - middle) < OWN_LENGTH) continue;
+        if (side != FIXED && (side == LEFT ? middle : total - middle) < UNCHECKED_LENGTH) continue;
         enclosing_box(sys->lengths[e], x, x + DOF, box);
-        const double distance = least_distance(sys, k, box);
+        const double distance = min_distance(sys, k, box);
         obstacles->cache.free = minimum(obstacles->cache.free, distance);
         if (!(distance < margin) || obstacles->near[e] & 1u << k) continue;
         obstacles->near[e] |= 1u << k;
@@ -85,7 +85,7 @@ static bool search_bodies(const System *sys, const double *q, double margin, uns
         double box[6];
         last = bodies_group(sys->elements, sys->lengths, q, first, box);
         for (int k = 0; k < obstacles->bodies; k++)
-            if (!(least_distance(sys, k, box) >= maximum(margin, obstacles->cache.free)))
+            if (!(min_distance(sys, k, box) >= maximum(margin, obstacles->cache.free)))
                 added |= search_elements(sys, q, k, first, last, along, total, margin);
         for (int e = first; e < last; e++) along += sys->lengths[e];
     }

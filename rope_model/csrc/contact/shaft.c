@@ -37,7 +37,7 @@ typedef struct {
 
 /* True if contents of the box may be nearer than the nearest place so far. */
 static bool may_be_nearer(const NearestSearch *search, const double box[6]) {
-    const double least = body_least_distance(box, box + 3, &search->placed.body);
+    const double least = body_min_distance(box, box + 3, &search->placed.body);
     return least - search->radius < search->nearest.clearance - RESOLUTION;
 }
 

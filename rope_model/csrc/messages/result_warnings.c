@@ -1,4 +1,4 @@
-/* Warnings about valid results. Formulas and tables: rope_model/rules/result_warnings.py. */
+/* Warnings about valid results. Formulas and tables: rope_model/warnings/result_warnings.py. */
 
 #include <stdio.h>
 #include <string.h>

@@ -161,7 +161,7 @@ static double smallest_squared(int lefts, double left[LEG][3], int rights, doubl
     blocks_of(rights, right, of_right);
     for (int m = top; m >= 0; m--)
         for (int n = other_top; n >= 0; n--) {
-            if (!(least_squared_distance(of_left[m], of_right[n]) < least)) continue;
+            if (!(min_squared_distance(of_left[m], of_right[n]) < least)) continue;
             const double found = between_squared(m, lefts, left, n, rights, right, least);
             if (!(found < least)) continue;
             least = found;
@@ -230,8 +230,8 @@ bool legs_apart(const NodalArrays *nodal, const double across[2], double diamete
         apart &= side_gap(-1.0, nodal->lengths[k], q, q + DOF, left[1], low, normal, diameter, above) >= 0;
     for (const double *q = low; q < right; q += DOF, k++)
         apart &= side_gap(1.0, nodal->lengths[k], q + DOF, q, right[1], low, normal, diameter, above) >= 0;
-    return apart && least_advance(nodal->lengths[lowest - 1], low - DOF, low, across) > 0 &&
-           least_advance(nodal->lengths[lowest], low, low + DOF, across) > 0;
+    return apart && min_slope(nodal->lengths[lowest - 1], low - DOF, low, across) > 0 &&
+           min_slope(nodal->lengths[lowest], low, low + DOF, across) > 0;
 }
 
 static double point_s(const NodalArrays *nodal, int point) {

@@ -1,4 +1,4 @@
-/* Values of the rope's outputs, by the names of rules.signal_table. */
+/* Values of the rope's outputs, by the names of signals.signal_table. */
 
 #include "signals.h"
 

@@ -224,7 +224,7 @@ RopeStatus hang(Simulator *sim, State *state, const EndMotion ends[2], char *mes
     return found && (steps == 0 || relax(sim, state, NULL, message));
 }
 
-RopeStatus let_turn(Simulator *sim, State *state, char *message) {
+RopeStatus release_free_swivels(Simulator *sim, State *state, char *message) {
     for (int side = LEFT; side <= RIGHT; side++)
         if (sim->scene.swivels[side].mode == FREE_MODE) state->swivels[side].phase = SLIP;
     state->rubs = 0; /* as while the rope was hung up: wires begin at rest without a moment */

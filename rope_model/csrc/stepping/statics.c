@@ -61,7 +61,7 @@ RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char 
     double *trial = scratch->q, *zeros = scratch->v, *R = scratch->a, *now = scratch->b, *x = sim->x;
     double balance[BALANCE], tau = 0.1, previous = 0, turned = 0, relaxed = 1, last = 0;
     const bool shortened = lacks_symmetry(sys.P[P_QS], sys.P[P_QK]) > 0;
-    const double largest = fmin(MAX_MOVE, 0.5 * least_passage(&sim->scene));
+    const double largest = fmin(MAX_MOVE, 0.5 * min_body_thickness(&sim->scene));
     int balanced = 0, k;
     sim->turned = false;
     const double rounding = 10 * DBL_EPSILON * sim->scene.rope.Qa * nodal.s[nodal.elements] / sys.shortest;

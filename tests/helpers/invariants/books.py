@@ -10,8 +10,8 @@ from invariants.case import Array, Case
 from invariants.features import Draws
 from invariants.runs import FORCES, MOMENTS, Compared, Record, Refused, start, wind
 from rope_model import BalanceRope
+from rope_model.method.audit import MIN_INTERVAL, MISSING_FORCE
 from rope_model.physics.hermite import GAUSS, interpolate
-from rope_model.rules.audit import MIN_INTERVAL, MISSING_FORCE
 
 #: of the largest end force in a step, beside what the audit has: rounding of the sums
 ROUNDING = 1e-7

@@ -28,7 +28,7 @@ from invariants.runs import (
 from invariants.symmetries import ALL, SHARE, both, compared, values_of, with_changes
 from rope_model import EndMotion
 from rope_model.engine import NativeRope
-from rope_model.rules.signal_table import LOADS
+from rope_model.signals.signal_table import LOADS
 
 #: relative rounding of a motion that went through 14 decimals
 ROUNDED = 1e-14

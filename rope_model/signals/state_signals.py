@@ -3,15 +3,14 @@
 from types import SimpleNamespace
 from typing import Any
 
-from rope_model.physics.accuracy import TINY
+from rope_model.boundary.input_filter import InputFilter
 from rope_model.physics.contact_error import ContactSums
-from rope_model.physics.elementary import Scalar, less, maximum, sqrt
+from rope_model.physics.elementary import TINY, Scalar, less, maximum, sqrt
 from rope_model.physics.energy_balance import EnergyBalance, residual, total
 from rope_model.physics.guard import GuardState
 from rope_model.physics.shaft import KINDS
-from rope_model.rules.input_filter import InputFilter
-from rope_model.rules.signal_table import SIGNALS
-from rope_model.rules.state import Counts, Crossing, Nearest, RopeState
+from rope_model.signals.signal_table import SIGNALS
+from rope_model.state import Counts, Crossing, Nearest, RopeState
 
 
 def remembered(state: RopeState) -> dict[str, Scalar]:

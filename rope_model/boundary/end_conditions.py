@@ -1,5 +1,6 @@
 """Conditions at the ends of the rope: the pose of a plumb or leaning end, and its motion."""
 
+from rope_model.boundary.end_paths import EndMotion, EndPath
 from rope_model.parameters import Scene
 from rope_model.physics.elementary import (
     Scalar,
@@ -13,7 +14,6 @@ from rope_model.physics.elementary import (
     sqrt,
     where,
 )
-from rope_model.rules.end_paths import EndMotion, EndPath
 
 YAW_SENSE = (-1.0, 1.0)  #: sense of the conveyance's yaw in theta, left and right
 MIN_LEAN_SQUARE = 1e-24  #: rad^2, squared lean below which C and S take their limits

@@ -12,9 +12,19 @@ import math
 from functools import reduce
 from typing import Any
 
+from rope_model.boundary import quintic
+from rope_model.boundary.end_paths import EndPath
+from rope_model.boundary.input_filter import (
+    JERKS,
+    FilterSettings,
+    InputFilter,
+    end_misfits,
+    sample_misfit,
+)
+from rope_model.method.step_errors import ErrorSums, wave_duration
 from rope_model.parameters import Rope
-from rope_model.physics.accuracy import TINY, ErrorSums, wave_duration
 from rope_model.physics.elementary import (
+    TINY,
     Scalar,
     Vector,
     cos,
@@ -26,15 +36,6 @@ from rope_model.physics.elementary import (
     where,
 )
 from rope_model.physics.estimates import axial_frequency
-from rope_model.rules import quintic
-from rope_model.rules.end_paths import EndPath
-from rope_model.rules.input_filter import (
-    JERKS,
-    FilterSettings,
-    InputFilter,
-    end_misfits,
-    sample_misfit,
-)
 
 #: fraction of a leg's mass that swings in its slowest axial wave
 SWINGING = 8.0 / math.pi**2

@@ -1,7 +1,7 @@
 """Paths of the rope's ends between two instants of the host.
 
 Each coordinate follows a quintic polynomial in time, so that position, speed and acceleration are
-continuous whatever the host's step.  rules.input_filter determines where a path leads.  Works on
+continuous whatever the host's step.  boundary.input_filter determines where a path leads.  Works on
 numbers and CasADi expressions:  C has its structures and formulas from here.
 """
 
@@ -12,13 +12,11 @@ from dataclasses import dataclass
 from functools import reduce
 from typing import Any, NamedTuple
 
+from rope_model.boundary import quintic
+from rope_model.boundary.quintic import Quintic
 from rope_model.parameter_table import Bounds, numeric_bounds, parameter, parameters_of
 from rope_model.physics.elementary import Scalar, maximum, minimum
-from rope_model.rules import quintic
-from rope_model.rules.quintic import Quintic
 
-SIDES = ("left", "right")
-END_NODE = (0, -1)  #: rows of the ends in arrays of nodes
 PATH = ("x", "y", "z", "yaw")  #: coordinates of an end's path
 LEANS = ("lean", "lean_z")  #: leans of a clamp, which have paths of their own
 RESTS_BELOW = 1e-6  #: m/s and rad/s, speed below which an end is at rest

@@ -1,7 +1,6 @@
 """Constants and formulas of the search for the rope at rest."""
 
-from rope_model.physics.accuracy import TINY
-from rope_model.physics.elementary import Scalar, less, maximum
+from rope_model.physics.elementary import TINY, Scalar, less, maximum
 
 #: last full Newton correction in ``system.norm``, over the rope's length
 REST_TOLERANCE = 1e-11

@@ -2,7 +2,7 @@
 
 With w = (EI / rho g)^(1/3), R is half the spacing, or the free loop's radius if that is less.  The
 error of the loop's position at rest limits the length of its elements: it grows with the second
-power of the length while they lock, with the sixth when they are short (physics.accuracy);
+power of the length while they lock, with the sixth when they are short (method.mesh_error);
 docs/promise.md shows the errors.  Segment IV covers the bend, its decay above, and the distance to
 the next transformation.  The elements next to the clamped ends resolve the bending layer
 sqrt(EI / T).  A rope too short or too stiff for this pattern gets equal elements.  Where a divider
@@ -15,9 +15,11 @@ they face it.
 import math
 from typing import NamedTuple
 
+from rope_model.method.mesh_error import length_for
+from rope_model.method.step_control import BRAKED
+from rope_model.method.step_errors import wave_duration
 from rope_model.parameters import Scene
 from rope_model.physics import contact_error
-from rope_model.physics.accuracy import BRAKED, length_for, wave_duration
 from rope_model.physics.elementary import (
     Scalar,
     ceil,

@@ -26,6 +26,9 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from rope_model.boundary import quintic
+from rope_model.boundary.end_paths import RESTS_BELOW, EndMotion, EndPath
+from rope_model.boundary.quintic import Quintic
 from rope_model.parameters import CHOICES, Scene
 from rope_model.physics.elementary import (
     Scalar,
@@ -40,9 +43,6 @@ from rope_model.physics.elementary import (
     where,
 )
 from rope_model.physics.estimates import axial_frequency
-from rope_model.rules import quintic
-from rope_model.rules.end_paths import RESTS_BELOW, EndMotion, EndPath
-from rope_model.rules.quintic import Quintic
 
 #: m/s^3, jerk that a consistent motion may have at any instant.  To follow it within a step h the
 #: path needs an additional acceleration of at most 5.8 h times the jerk: 0.1 % of g where h = 20 ms
@@ -106,10 +106,11 @@ class InputFilter(NamedTuple):
     speed_misfit: float = 0.0  # m/s, largest
     acceleration_misfit: float = 0.0  # m/s^2, largest
     misfit_squares: Axis = (0.0, 0.0, 0.0)  # time integrals of the squares of the three
+    # m/s^2, slowest axial wave of the leg, now and a quarter period later
     wave: tuple[float, float] = (
         0.0,
         0.0,
-    )  # m/s^2, slowest axial wave of the leg, now and a quarter period later
+    )
     lag: float = 0.0  # m/s^2, lag of an estimated acceleration of y
     force_error_square: float = 0.0  # N^2 s, time integral of the square of the end force's error
     drift: float = 0.0  # m, slow part of the misfit of y
@@ -127,10 +128,11 @@ class InputFilter(NamedTuple):
     # m (yaw: rad), by which the latest sample is off any expected motion
     position_jumps: Four = (NOT_ESTIMATED,) * 4
     speed_jumps: Four = (NOT_ESTIMATED,) * 4  # m/s (yaw: rad/s), the same of its speed
+    # rad/s, mean rates of the leans between the latest two samples
     lean_rates: tuple[float, float] = (
         0.0,
         0.0,
-    )  # rad/s, mean rates of the leans between the latest two samples
+    )
 
     @staticmethod
     def at_rest(t: float, motion: EndMotion) -> InputFilter:
@@ -308,9 +310,8 @@ def _completed(
     """Return position, speed and acceleration ``h`` after ``old``, from the trusted part of a ``sample``."""
     x, v, a = old
     knows_speed = settings.speed_trust > 0
-    retained = exp(
-        -settings.estimate * h
-    )  # fraction of an old error: 1 - alpha = retained^2 or retained^3
+    # fraction of an old error: 1 - alpha = retained^2 or retained^3
+    retained = exp(-settings.estimate * h)
     gain = 1.0 - retained
     x_end, v_end = quintic.extrapolate(x, v, a, h)
     speed_gap = sample[1] - v_end

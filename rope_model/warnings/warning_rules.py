@@ -1,11 +1,16 @@
-"""Decision tables of the warnings: rules and bounds for rules.result_warnings and its C."""
+"""Decision tables of the warnings: rules and bounds for warnings.result_warnings and its C."""
 
 import math
 
+from rope_model.boundary.input_filter import MIN_BREAKS, POSITION, InputFilter, filter_settings
+from rope_model.fidelity.fidelity_rules import carries_torque
 from rope_model.messages import warning_messages as texts
 from rope_model.messages.rules import Rules
+from rope_model.method import audit as audits
+from rope_model.method.mesh_error import length_for, mesh_error, turned_by_mesh
+from rope_model.method.mesh_fit import MAX_LENGTH, NATURAL_RADIUS
+from rope_model.method.mesh_pattern import fine_share
 from rope_model.parameters import Scene
-from rope_model.physics.accuracy import length_for, mesh_error, turned_by_mesh
 from rope_model.physics.elementary import Scalar, floor, logical_and, logical_or, minimum, where
 from rope_model.physics.estimates import (
     bending_length,
@@ -14,13 +19,8 @@ from rope_model.physics.estimates import (
     twist_torque,
 )
 from rope_model.physics.initial_curvature import max_curvature
-from rope_model.rules import audit as audits
-from rope_model.rules.fidelity_rules import carries_torque
-from rope_model.rules.input_filter import MIN_BREAKS, POSITION, InputFilter, filter_settings
-from rope_model.rules.mesh_fit import MAX_LENGTH, NATURAL_RADIUS
-from rope_model.rules.mesh_pattern import fine_share
-from rope_model.rules.state import RopeState
 from rope_model.shaft_parameters import FAR
+from rope_model.state import RopeState
 
 #: rad, yaw of a loop that is turned over
 HALF_A_TURN = math.pi

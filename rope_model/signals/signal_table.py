@@ -6,10 +6,10 @@ csrc/outputs/signals.c computes the values.
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
+from rope_model.boundary.bodies import BODIES
 from rope_model.physics.guard import CAUSES as CAUSES
+from rope_model.physics.node import SIDES
 from rope_model.physics.shaft import KINDS
-from rope_model.rules.bodies import BODIES
-from rope_model.rules.end_paths import SIDES
 
 SHAPE_POINTS = 81
 

@@ -7,6 +7,7 @@ counts of all seven segments and l as ``coarse``, all 0 for EEM.
 import math
 from typing import Protocol
 
+from rope_model.method.mesh_fit import DUE
 from rope_model.physics.elementary import (
     Scalar,
     Vector,
@@ -17,7 +18,6 @@ from rope_model.physics.elementary import (
     minimum,
     where,
 )
-from rope_model.rules.mesh_fit import DUE
 
 #: m, distance before the limit at which a transformation is made, because of rounding
 DUE_EARLY = 1e-7

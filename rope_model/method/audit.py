@@ -11,7 +11,7 @@ would be a large force over 10 ns.
 
 f and m, mean missing force and moment, are zero for the exact motion.  The trapezoidal rule of the
 end forces has the error h^2 F_tt / 12, 20 N in an emergency stop.  Forces need the same weights as
-accelerations: with an auxiliary value b as in rules.generalized_alpha, p balances to rounding, and
+accelerations: with an auxiliary value b as in method.generalized_alpha, p balances to rounding, and
 L, which is not linear in the motion, up to h^2.  The mean force of each end is its impulse in this
 sense, so that a conveyance that takes it gets the momentum that the rope loses.
 
@@ -22,11 +22,11 @@ that a step takes, and the turn of the tangent in an element.
 import math
 from typing import Any, NamedTuple
 
+from rope_model.method.generalized_alpha import Coefficients, auxiliary_weights
 from rope_model.parameters import Rope
 from rope_model.physics.elementary import Scalar, Vector, atan2, cross, dot, maximum, sqrt, where
 from rope_model.physics.estimates import axial_frequency
 from rope_model.physics.frame import end_moment
-from rope_model.rules.generalized_alpha import Coefficients, auxiliary_weights
 
 #: force and moment of all loads, then the vertical forces of the left and of the right end alone
 Load = tuple[float, float, float, float, float, float, float, float]

@@ -10,18 +10,19 @@ swivels must turn freely as well, or its writhe twists it; they may hold at the 
 in the plane.  The omitted quantities are then zero in the complete model too.  Otherwise 'auto'
 takes a lower fidelity only if the estimated error of the vertical end forces (root mean square over
 a winding, relative to the largest) is within the scene's tolerance.  physics.estimates has the
-estimates, rules.fidelity_rules the formulas of the decision.
+estimates, fidelity.fidelity_rules the formulas of the decision.
 """
 
 import logging
 from typing import Literal, NamedTuple
 
+from rope_model.boundary.end_paths import EndMotion
+from rope_model.fidelity import fidelity_rules
 from rope_model.messages import fidelity_messages, messages
 from rope_model.messages.rules import first_text
 from rope_model.parameters import Scene
 from rope_model.physics.element import ElementFidelity
-from rope_model.rules import fidelity_rules
-from rope_model.rules.end_paths import SIDES, EndMotion
+from rope_model.physics.node import SIDES
 
 log = logging.getLogger(__name__)
 
@@ -50,7 +51,7 @@ def choose_fidelity(scene: Scene, ends: Ends, forces: int = 0) -> Choice:
     ``forces`` is the number of points at which the host applies forces.
     """
     if scene.model.fidelity != "auto":
-        return Choice(scene.model.fidelity, fidelity_messages.as_asked())
+        return Choice(scene.model.fidelity, fidelity_messages.as_set())
     choice = _lowest(scene, ends, forces)
     log.info("model: %s, because %s", *choice)
     return choice
@@ -103,7 +104,7 @@ def _lowest(scene: Scene, ends: Ends, forces: int) -> Choice:
         below = ""
     torque = first_text(fidelity_rules.TORQUE, scene)
     return Choice(
-        "torsional", fidelity_messages.torque_and_more(torque, below) if below else torque
+        "torsional", fidelity_messages.torque_and_unsupported(torque, below) if below else torque
     )
 
 

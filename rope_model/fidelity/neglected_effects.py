@@ -5,7 +5,7 @@ One table serves the warnings of the rope, the reports and the documents.
 
 from typing import NamedTuple
 
-from rope_model.rules.fidelity import FIDELITIES, Fidelity
+from rope_model.fidelity.choice import FIDELITIES, Fidelity
 
 
 class Effect(NamedTuple):

@@ -1,6 +1,6 @@
 """Groups of signals: those that one function of the engine computes together."""
 
-from rope_model.rules.state_signals import STATE_SIGNALS
+from rope_model.signals.state_signals import STATE_SIGNALS
 
 #: group of the signals of a source: the first part of their names
 _GROUP_BY_SOURCE = {

@@ -24,17 +24,16 @@ from collections.abc import Callable
 from functools import partial
 
 from rope_model.arrays import Array
+from rope_model.boundary.bodies import BODIES, may_touch
+from rope_model.fidelity.neglected_effects import neglected_text
 from rope_model.messages import warning_messages
 from rope_model.messages.rules import first_text
 from rope_model.parameters import Scene
 from rope_model.physics import centreline
-from rope_model.physics.node import ANGLE
+from rope_model.physics.node import ANGLE, SIDES
 from rope_model.physics.shaft import KINDS
-from rope_model.rules import warning_rules
-from rope_model.rules.bodies import BODIES, may_touch
-from rope_model.rules.end_paths import SIDES
-from rope_model.rules.neglected_effects import neglected_text
-from rope_model.rules.state import RopeState
+from rope_model.state import RopeState
+from rope_model.warnings import warning_rules
 
 
 def neglected_effects(scene: Scene, state: RopeState) -> str:

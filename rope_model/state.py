@@ -12,20 +12,20 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rope_model.arrays import Array
-from rope_model.physics.accuracy import ErrorSums
+from rope_model.boundary.end_paths import EndPath
+from rope_model.boundary.input_filter import InputFilter
+from rope_model.fidelity.choice import Fidelity
+from rope_model.method.audit import Audit
+from rope_model.method.generalized_alpha import Motion
+from rope_model.method.partition import Partition
+from rope_model.method.step_errors import ErrorSums
+from rope_model.method.swivel_phases import Phase, SwivelState
 from rope_model.physics.contact_error import ContactSums
 from rope_model.physics.element import POINTS
 from rope_model.physics.energy_balance import EnergyBalance
 from rope_model.physics.guard import GuardState
 from rope_model.physics.initial_curvature import START
 from rope_model.physics.shaft import KINDS
-from rope_model.rules.audit import Audit
-from rope_model.rules.end_paths import EndPath
-from rope_model.rules.fidelity import Fidelity
-from rope_model.rules.generalized_alpha import Motion
-from rope_model.rules.input_filter import InputFilter
-from rope_model.rules.partition import Partition
-from rope_model.rules.swivel_phases import Phase, SwivelState
 from rope_model.shaft_parameters import FAR
 
 #: state z of a rope without friction between its wires

@@ -1,6 +1,6 @@
 """Constants and formulas of stepping through a communication step."""
 
-from rope_model.physics.accuracy import STEP_ITERATIONS
+from rope_model.method.newton import STEP_ITERATIONS
 from rope_model.physics.elementary import Scalar, maximum
 
 #: largest number of Newton iterations of a communication step: over 6 times that of 120 drawn trips

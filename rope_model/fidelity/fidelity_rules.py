@@ -1,4 +1,4 @@
-"""Decision rules of the fidelity, with their error estimates; rules.fidelity and its C apply them.
+"""Decision rules of the fidelity, with their error estimates; fidelity.choice and its C apply them.
 
 carries_torque, force_error and unsupported_input also serve mesh, stepping and outputs.
 """
@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
+from rope_model.boundary.bodies import may_touch
+from rope_model.boundary.end_paths import EndMotion
 from rope_model.messages import fidelity_messages
 from rope_model.messages.rules import Rules
 from rope_model.parameters import AT_START, Scene
@@ -17,8 +19,6 @@ from rope_model.physics.estimates import Travel
 from rope_model.physics.guard import has_guards
 from rope_model.physics.inextensible import min_tension, rigid_tensions
 from rope_model.physics.initial_curvature import max_curvature
-from rope_model.rules.bodies import may_touch
-from rope_model.rules.end_paths import EndMotion
 
 TURNED = ("yaw", "yaw_rate")  #: inputs that turn a rope whose swivels hold
 OUT_OF_PLANE = ("z", "vz", "az", "lean_z")  #: inputs out of the plane
@@ -113,7 +113,7 @@ def _curved(scene: Scene) -> tuple[Scalar, ...]:
     return largest > 0, largest
 
 
-def _errs_too_much(
+def _error_above_tolerance(
     scene: Scene, fidelity: str, left: EndMotion, right: EndMotion, forces: Scalar
 ) -> tuple[Scalar, ...]:
     error = force_error(scene, fidelity, expected_travel((left, right)))
@@ -134,7 +134,7 @@ def _no_torque(
     return (logical_and(fidelity != "rigid", carries_torque(scene) == 0),)
 
 
-def _errs_little(
+def _error_within_tolerance(
     scene: Scene, fidelity: str, left: EndMotion, right: EndMotion
 ) -> tuple[Scalar, ...]:
     travel = expected_travel((left, right))
@@ -161,12 +161,12 @@ COMPLETE: Rules = {
 #: reasons of 'auto' against a fidelity that supports all inputs
 UNSUPPORTED: Rules = {
     fidelity_messages.applied_forces: lambda scene, fidelity, left, right, forces: (forces > 0,),
-    fidelity_messages.errs_too_much: _errs_too_much,
+    fidelity_messages.error_above_tolerance: _error_above_tolerance,
     fidelity_messages.would_go_slack: _would_go_slack,
 }
 #: reasons why a fidelity below the complete one serves; without torque the planar one does, except
 #: for a rigid rope
 SUFFICIENT: Rules = {
     fidelity_messages.no_torque: _no_torque,
-    fidelity_messages.errs_little: _errs_little,
+    fidelity_messages.error_within_tolerance: _error_within_tolerance,
 }

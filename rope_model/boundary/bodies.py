@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from functools import reduce
 from typing import NamedTuple
 
+from rope_model.boundary.end_paths import EndMotion
 from rope_model.messages import messages
 from rope_model.messages.rules import Rules
 from rope_model.parameters import Scene
@@ -21,7 +22,6 @@ from rope_model.physics.elementary import (
     where,
 )
 from rope_model.physics.shaft import KINDS, Body
-from rope_model.rules.end_paths import EndMotion
 from rope_model.shaft_parameters import FAR, Shaft
 
 LINING, CONVEYANCE, HEAD_ROPES, DIVIDER, FLOOR = range(len(KINDS))
@@ -63,8 +63,8 @@ def may_touch(shaft: Shaft) -> Scalar:
     return logical_and(shaft.contact.stiffness > 0, logical_or(sizes > 0, shaft.sump.level > -FAR))
 
 
-def least_passage(scene: Scene) -> Scalar:
-    """Return the least way (m) of the rope's centre line through a body that holds it; infinite without one.
+def min_body_thickness(scene: Scene) -> Scalar:
+    """Return the shortest way (m) of the rope's centre line through a body that holds it; infinite without one.
 
     Linings, conveyances and the ground are thick.
     """
@@ -84,7 +84,7 @@ def _in_lining(
     shaft = scene.shaft
     lining = scene.shaft.lining
     diameter = scene.rope.diameter
-    distance = _least_distance(scene, left, right, physics.lining(lining))
+    distance = _min_distance(scene, left, right, physics.lining(lining))
     # ends are accepted while their centre line is free
     beyond = logical_or(distance < 0, minimum(lining.width, lining.depth) < diameter)
     applies = logical_and(
@@ -98,7 +98,7 @@ def _below_floor(
 ) -> tuple[Scalar, ...]:
     shaft = scene.shaft
     level = scene.shaft.sump.level
-    distance = _least_distance(scene, left, right, physics.floor(shaft.sump))
+    distance = _min_distance(scene, left, right, physics.floor(shaft.sump))
     return (
         logical_and(fidelity != "rigid", shaft.contact.stiffness > 0, level > -FAR, distance < 0),
         -distance,
@@ -106,7 +106,7 @@ def _below_floor(
     )
 
 
-def _least_distance(scene: Scene, left: EndMotion, right: EndMotion, body: Body) -> Scalar:
+def _min_distance(scene: Scene, left: EndMotion, right: EndMotion, body: Body) -> Scalar:
     """Return the least distance (m) of the rope's ends from the body."""
     return minimum(
         *(physics.distance(point, body) for point in suspension_points(scene.layout, left, right))

@@ -3,6 +3,8 @@
 from enum import Enum
 from typing import NamedTuple
 
+from rope_model.physics.elementary import Scalar, logical_and, maximum, where
+
 #: larger norms are not finite in effect
 HUGE = 1e200
 
@@ -46,3 +48,17 @@ class NewtonStatus(Enum):
 CG_TOLERANCE = 1e-16
 #: largest number of steps of conjugate gradients
 CG_MAX_STEPS = 200
+
+#: Newton iterations of a step where they are bounded: the largest number in recorded trips
+STEP_ITERATIONS = 12
+# errors (m and rad) that Newton's method may leave where work is bounded to one step
+BOUNDED_STEP_ERROR = 1e-4
+BOUNDED_MESH_ERROR = 2e-3  #: on a new mesh
+
+
+def effective_tolerance(
+    newton_tolerance: Scalar, work_max: Scalar, bounded_tolerance: Scalar
+) -> Scalar:
+    """Return Newton's tolerance (m and rad), at least ``bounded_tolerance`` where work is bounded to one step."""
+    bounded = logical_and(work_max > 0.0, work_max < 2.0 * STEP_ITERATIONS)
+    return where(bounded, maximum(newton_tolerance, bounded_tolerance), newton_tolerance)

@@ -9,8 +9,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from rope_model.parameters import Swivel
-from rope_model.physics.accuracy import TINY
-from rope_model.physics.elementary import Scalar, logical_and, logical_or, maximum, where
+from rope_model.physics.elementary import TINY, Scalar, logical_and, logical_or, maximum, where
 from rope_model.physics.swivel import friction_moment
 
 #: of the tension times the mean diameter, excess of a moment over the static limit that is

@@ -1,1 +1,0 @@
-"""Tables, and formulas of the method, from which the engine's C and the reference rope are made."""
