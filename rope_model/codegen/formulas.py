@@ -140,6 +140,7 @@ FORMULAS: tuple[Formula, ...] = (
     ),
     Formula("largest_motion", contact.largest_motion, {"q": 6, "before": 6}),
     Formula("correction_motion", contact.correction_motion),
+    Formula("air_acts", air.air_acts),
     Formula("air_coefficients", air.air_coefficients, result=array("numbers", AIR_NUMBERS)),
     Formula("wire_stiffness", wire_friction.wire_stiffness),
     Formula("slip_curvature", wire_friction.slip_curvature),

@@ -38,6 +38,7 @@ System rope_system(const Simulator *sim, State *state) {
                   .latest = sim->latest,
                   .shortest = x.lengths[0]};
     element_parameters(data, sim->scene.layout.gravity, sys.P);
+    sys.air_acts = air_acts(&sim->scene.shaft.air, data->diameter);
     air_coefficients(&sim->scene.shaft.air, data->diameter, sim->scene.layout.spacing, sys.air);
     for (int k = 1; k < x.elements; k++) sys.shortest = fmin(sys.shortest, x.lengths[k]);
     for (int side = LEFT; side <= RIGHT; side++) {
