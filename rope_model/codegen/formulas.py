@@ -177,7 +177,7 @@ FORMULAS: tuple[Formula, ...] = (
     Formula("material_values", stress.material_values, {"strains": 5}, result=array("values", 4)),
     Formula("element_parameters", element.parameters, result=array("P", len(element.PARAMETERS))),
     Formula("with_energies", energy_balance.with_energies, {"balance": 7}),
-    Formula("account_of_step", energy_balance.after_step, {"before": 2, "after": 2, "losses": 4}),
+    Formula("account_of_step", energy_balance.after_step),
     Formula("energy_total", energy_balance.total),
     Formula("energy_residual", energy_balance.residual),
     Formula("rigid_flow", inextensible.flow),
@@ -215,7 +215,7 @@ FORMULAS: tuple[Formula, ...] = (
     Formula("lacks_symmetry", statics.lacks_symmetry),
     Formula("relaxation", statics.relaxation),
     Formula("step_limits", accuracy.step_limits),
-    Formula("add_errors", accuracy.add_errors, {"strain_tt": 2}),
+    Formula("add_errors", accuracy.add_errors),
     Formula("step_error", accuracy.step_error),
     Formula("next_step", accuracy.next_step),
     Formula("max_iterations", stepping.max_iterations),
@@ -234,8 +234,8 @@ FORMULAS: tuple[Formula, ...] = (
     Formula("end_load", audit.end_load, {"q": 7, "f": 7}, result=array("load", 6)),
     Formula("axial_share", audit.axial_share),
     Formula("audit_values", audit.signal_values, result=array("values", 6)),
-    Formula("audit_after_step", audit.after_step, {"load": 8}),
-    Formula("audit_after_interval", audit.after_interval, {"sums": 9, "about": 3}),
+    Formula("audit_after_step", audit.after_step),
+    Formula("audit_after_interval", audit.after_interval),
 )
 #: derivatives of formulas, which Python does not evaluate
 DERIVATIVES: tuple[Formula, ...] = (
@@ -260,7 +260,13 @@ DEFINED_HERE: tuple[type[Any], ...] = (
         mesh_fit.FittedMesh,
         generalized_alpha.Coefficients,
         accuracy.StepLimits,
+        accuracy.MeasuredStep,
+        accuracy.AcceptedStep,
         accuracy.NextStep,
+        energy_balance.Powers,
+        energy_balance.StepLosses,
+        audit.AuditedStep,
+        audit.AuditedInterval,
     ),
 )
 #: constants of formulas and control flow: prefix of their names in C, module, names

@@ -122,7 +122,8 @@ void external_sums(const System *sys, const double *q, const double *v, double s
     point_forces_push(sys, q, v, sums);
     if (sys->obstacles == NULL) return;
     find_near_bodies(sys, q, v, 0);
-    for (int e = 0; sys->obstacles->any && e < sys->elements; e++)
+    if (!sys->obstacles->any) return;
+    for (int e = 0; e < sys->elements; e++)
         if (sys->obstacles->near[e]) contact_sums(sys, e, q, v, sums);
 }
 

@@ -22,7 +22,6 @@ from typing import NamedTuple
 from rope_model.parameters import Rope, Scene
 from rope_model.physics.elementary import (
     Scalar,
-    Vector,
     ceil,
     cos,
     less,
@@ -114,6 +113,21 @@ class ErrorSums(NamedTuple):
     strain_tt: tuple[float, float] = (0.0, 0.0)  # 1/s^2
 
 
+class MeasuredStep(NamedTuple):
+    """Accepted step, as the error sums see it.
+
+    ``strain_tt`` are means over the step, from the strain rates at its ends: the accelerations at
+    its end contain what stiff waves leave there.
+    """
+
+    h: float  # s
+    bottom_s: float  # m, arc length of the loop's lowest point
+    end_speed: float  # m/s, vertical speed of one end against the other
+    strain_tt: tuple[float, float]  # 1/s^2, mean accelerations of the end strains
+    position: float  # m, local error of the positions
+    force: float  # N, largest end force
+
+
 def wave_duration(rope: Rope, omega: Scalar) -> Scalar:
     """Return the duration (s) of a wave of frequency ``omega`` (rad/s)."""
     return 2.0 / maximum(
@@ -149,26 +163,18 @@ def step_limits(
 
 
 def add_errors(
-    scene: Scene,
-    sums: ErrorSums,
-    s: Scalar,
-    end_speed: Scalar,
-    h: Scalar,
-    constant: Scalar,
-    strain_tt: Vector,
-    position: Scalar,
-    force: Scalar,
+    scene: Scene, sums: ErrorSums, step: MeasuredStep, error_constant: Scalar
 ) -> ErrorSums:
-    """Return ``sums`` after a step ``h`` with a ``position`` error (m) and end forces of up to ``force`` (N).
+    """Return ``sums`` after a step.
 
-    ``strain_tt`` (2,) are means over the step, from the strain rates at its ends: the accelerations
-    at its end contain what stiff waves leave there.  The local error is ``constant`` h^2 per change
-    of them, but for a stiff wave, which follows the forces, at most the change over omega^2.
+    The local error is ``error_constant`` h^2 per change of the strains' mean accelerations, but for
+    a stiff wave, which follows the forces, at most the change over omega^2.
     """
     rope = scene.rope
+    h = step.h
     waves = []
     squares = []
-    for side, leg in enumerate((s, rope.length - s)):
+    for side, leg in enumerate((step.bottom_s, rope.length - step.bottom_s)):
         omega = axial_frequency(rope, leg)
         duration = wave_duration(rope, omega)
         decay = duration / (duration + h)
@@ -178,21 +184,21 @@ def add_errors(
         present = sums.waves[2 * side]
         later = sums.waves[2 * side + 1]
         local = (
-            constant
+            error_constant
             * (h * h)
-            / (1.0 + constant * (phase * phase))
-            * (strain_tt[side] - sums.strain_tt[side])
+            / (1.0 + error_constant * (phase * phase))
+            * (step.strain_tt[side] - sums.strain_tt[side])
         )
         waves += [cosine * present + sine * later + local, cosine * later - sine * present]
         squares.append(sums.squares[side] + h * (waves[-2] * waves[-2]))
-    largest = maximum(sums.position, position), maximum(sums.flow, flow_error(scene, end_speed, h))
-    wave_sums = (waves[0], waves[1], waves[2], waves[3]), (squares[0], squares[1])
     return ErrorSums(
-        sums.time + h,
-        *largest,
-        maximum(sums.force, force),
-        *wave_sums,
-        (strain_tt[0], strain_tt[1]),
+        time=sums.time + h,
+        position=maximum(sums.position, step.position),
+        flow=maximum(sums.flow, flow_error(scene, step.end_speed, h)),
+        force=maximum(sums.force, step.force),
+        waves=(waves[0], waves[1], waves[2], waves[3]),
+        squares=(squares[0], squares[1]),
+        strain_tt=step.strain_tt,
     )
 
 
@@ -281,6 +287,15 @@ def growth_delay(h: Scalar, step_next: Scalar) -> Scalar:
     return minimum(GROWTH_DELAY_STEPS * step_next, GROWTH_DELAY) - 0.5 * h
 
 
+class AcceptedStep(NamedTuple):
+    """Accepted step, as the choice of the next one sees it."""
+
+    h: float  # s
+    t: float  # s, its end
+    error: float  # over the allowed one
+    rejected: float  # not 0 if longer steps failed
+
+
 class NextStep(NamedTuple):
     """Length (s) of the next step, instant (s) since which errors are small, and 1 if accuracy was given up."""
 
@@ -290,20 +305,14 @@ class NextStep(NamedTuple):
 
 
 def next_step(
-    solver: Solver,
-    h: Scalar,
-    step_next: Scalar,
-    error: Scalar,
-    rejected: Scalar,
-    t: Scalar,
-    calm_since: Scalar,
+    solver: Solver, accepted: AcceptedStep, step_next: Scalar, calm_since: Scalar
 ) -> NextStep:
-    """Choose the step after one of length ``h`` to ``t`` with ``error`` over the allowed one.
+    """Choose the step after the one ``accepted``; ``step_next`` (s) was the choice before it.
 
     An error above the tolerance halves the next step; small errors for the time growth_delay double
     it.  A larger error than ACCEPT_BELOW is accepted only when the Newton budget is used up.
-    ``rejected``: true if longer steps failed.
     """
+    h, t, error, rejected = accepted
     calm_since = where(logical_or(rejected, error > GROW_BELOW * solver.tolerance), t, calm_since)
     given_up = error > ACCEPT_BELOW * solver.tolerance
     keeps = logical_or(given_up, error <= solver.tolerance)

@@ -13,7 +13,14 @@ from dataclasses import dataclass, replace
 from scipy.optimize import brentq
 
 from rope_model.parameters import Scene
-from rope_model.physics.accuracy import ACCEPT_BELOW, ErrorSums, next_step, step_error, step_limits
+from rope_model.physics.accuracy import (
+    ACCEPT_BELOW,
+    AcceptedStep,
+    ErrorSums,
+    next_step,
+    step_error,
+    step_limits,
+)
 from rope_model.physics.node import ANGLE
 from rope_model.reference.ends import END_NODE, SIDES
 from rope_model.reference.energies import after_step
@@ -77,11 +84,13 @@ def step_towards(scene: Scene, state: State, t_end: float) -> State | Failure:
         new = replace(new, t=stop)  # exactly, not up to rounding
     following = next_step(
         solver=scene.solver,
-        h=accepted.h,
+        accepted=AcceptedStep(
+            h=accepted.h,
+            t=old.t + accepted.h,
+            error=accepted.error,
+            rejected=accepted.rejected,
+        ),
         step_next=min(accepted.before.step_next, scene.solver.step_max),
-        error=accepted.error,
-        rejected=accepted.rejected,
-        t=old.t + accepted.h,
         calm_since=state.calm_since,
     )
     after = replace(
