@@ -51,8 +51,8 @@ static RopeStatus move_ends(Simulator *sim, State *state, double t, const EndMot
     }
     char why[MESSAGE];
     EndMotion filtered[2] = {ends[LEFT], ends[RIGHT]};
-    for (int side = LEFT; side <= RIGHT && scene->inputs.given != ALL_GIVEN; side++)
-        filtered[side] = path_at(&state->paths[side], t);
+    if (scene->inputs.given != ALL_GIVEN)
+        for (int side = LEFT; side <= RIGHT; side++) filtered[side] = path_at(&state->paths[side], t);
     unsupported_motion(&sim->scene, state->fidelity, filtered, sim->forces.count, why);
     if (!why[0]) return ROPE_DONE;
     if (sim->scene.model.fidelity != AUTO_FIDELITY)
