@@ -19,6 +19,7 @@ from rope_model.interface import BalanceRope, Snapshot, Status, state_in
 from rope_model.messages import messages
 from rope_model.parameters import Scene
 from rope_model.physics.element import NODE_DOF
+from rope_model.physics.energy_balance import Powers
 from rope_model.rules.end_paths import SIDES, EndMotion
 from rope_model.rules.fidelity import Fidelity
 from rope_model.rules.generalized_alpha import Motion
@@ -26,7 +27,7 @@ from rope_model.rules.partition import Partition
 from rope_model.rules.point_forces import NO_FORCES, PointForces
 from rope_model.rules.result_warnings import WARNINGS
 from rope_model.rules.signal_table import SIGNALS, checked_names
-from rope_model.rules.state import NO_HYSTERESIS, Event, Powers, RopeState
+from rope_model.rules.state import NO_HYSTERESIS, Event, RopeState
 from rope_model.rules.swivel_phases import Phase
 from rope_model.solver_parameters import FidelityChoice
 

@@ -124,7 +124,14 @@ def structure_at(kind: type[Any], prefix: str) -> Any:
             values[name] = ca.SX.sym(prefix + name)
         elif get_origin(hint) is tuple:
             values[name] = _array(prefix + name, shape_of(hint))
-        elif hint in (Rope, Layout, Accuracy, Inputs, Shaft, *PARTS.values()):
+        elif hasattr(hint, "_fields") or hint in (
+            Rope,
+            Layout,
+            Accuracy,
+            Inputs,
+            Shaft,
+            *PARTS.values(),
+        ):
             values[name] = structure_at(hint, f"{prefix}{name}.")
     if issubclass(kind, tuple):
         return kind(**values)
@@ -148,9 +155,16 @@ def _initializer(kind: type[Any], texts: list[str]) -> str:
     """Return the members of ``kind`` in braces."""
     rest = iter(texts)
 
-    def member(shape: tuple[int, ...]) -> str:
+    def array_of(shape: tuple[int, ...]) -> str:
         if shape:
-            return f"{{{', '.join(member(shape[1:]) for _ in range(shape[0]))}}}"
+            return f"{{{', '.join(array_of(shape[1:]) for _ in range(shape[0]))}}}"
         return next(rest)
 
-    return f"{{{', '.join(member(shape_of(hint)) for hint in get_type_hints(kind).values())}}}"
+    def structure(kind: type[Any]) -> str:
+        members = [
+            structure(hint) if hasattr(hint, "_fields") else array_of(shape_of(hint))
+            for hint in get_type_hints(kind).values()
+        ]
+        return f"{{{', '.join(members)}}}"
+
+    return structure(kind)

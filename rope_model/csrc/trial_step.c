@@ -199,7 +199,7 @@ double largest_end_force(const NodalArrays *nodal) {
 }
 
 static Powers powers_of(const State *state) {
-    return (Powers){.ends = state->power_ends, .swivels = state->power_swivel};
+    return (Powers){.ends = state->power_ends, .swivel = state->power_swivel};
 }
 
 /* Write the mean accelerations of the end strains over a step h from v to the trial's. */

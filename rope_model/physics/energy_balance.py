@@ -36,10 +36,10 @@ class EnergyBalance(NamedTuple):
 
 
 class Powers(NamedTuple):
-    """Powers at one instant, W."""
+    """Powers at one instant (W), integrated by the trapezoidal rule."""
 
     ends: float  # of the ends on the rope
-    swivels: float  # dissipated in the swivels
+    swivel: float  # dissipated in the swivels
 
 
 class StepLosses(NamedTuple):
@@ -77,7 +77,7 @@ def after_step(
     changed: EnergyBalance = account._replace(
         work_ends=account.work_ends
         + (half * (before.ends + after.ends) + h * losses.moving_bodies),
-        dissipated_swivel=account.dissipated_swivel + half * (before.swivels + after.swivels),
+        dissipated_swivel=account.dissipated_swivel + half * (before.swivel + after.swivel),
         dissipated_material=account.dissipated_material + h * losses.damping,
         dissipated_contact=account.dissipated_contact + h * losses.contact,
         dissipated_wires=account.dissipated_wires + losses.wires,

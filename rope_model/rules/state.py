@@ -15,7 +15,7 @@ from rope_model.arrays import Array
 from rope_model.physics.accuracy import ErrorSums
 from rope_model.physics.contact_error import ContactSums
 from rope_model.physics.element import POINTS
-from rope_model.physics.energy_balance import EnergyBalance
+from rope_model.physics.energy_balance import EnergyBalance, Powers
 from rope_model.physics.guard import GuardState
 from rope_model.physics.initial_curvature import START
 from rope_model.physics.shaft import KINDS
@@ -54,13 +54,6 @@ class Event(NamedTuple):
     what: str
     kinetic: float = 0.0
     potential: float = 0.0
-
-
-class Powers(NamedTuple):
-    """Powers at the ends in W, integrated by the trapezoidal rule."""
-
-    ends: float = 0.0
-    swivel: float = 0.0
 
 
 class Nearest(NamedTuple):
@@ -109,7 +102,7 @@ class RopeState(NamedTuple):
     energy_balance: EnergyBalance = EnergyBalance()
     errors: ErrorSums = ErrorSums()
     contact: ContactSums = ContactSums()
-    powers: Powers = Powers()
+    powers: Powers = Powers(0.0, 0.0)
     counts: Counts = Counts()
     # rad, twist at which the rope last snapped through when it was hung up; 0: never
     snap_twist: float = 0.0

@@ -54,7 +54,10 @@ def c_structure(kind: type[Any]) -> type[ct.Structure]:
         return SceneStructure
     if kind in GROUPS:
         return GROUPS[kind]
-    fields = [(name, c_numbers(shape_of(hint))) for name, hint in get_type_hints(kind).items()]
+    fields = [
+        (name, c_structure(hint) if hasattr(hint, "_fields") else c_numbers(shape_of(hint)))
+        for name, hint in get_type_hints(kind).items()
+    ]
     return type(kind.__name__, (ct.Structure,), {"_fields_": fields})
 
 

@@ -27,7 +27,7 @@ from rope_model.rules.fidelity import (
     lowest_sufficient,
     unsupported_motion,
 )
-from rope_model.rules.input_filter import InputFilter
+from rope_model.rules.input_filter import InputFilter, Repetitions
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
 from rope_model.solver_parameters import FidelityChoice, Inputs, Model
 
@@ -121,7 +121,7 @@ def test_an_acceleration_that_is_too_large_is_refused() -> None:
 
 def test_a_signal_that_stands_still_for_longer_than_it_may_is_refused() -> None:
     inputs = Inputs()
-    end_filter = InputFilter(given_at=1.0, steps_held=7.0)
+    end_filter = InputFilter(given_at=1.0, repetitions=Repetitions(held=7.0))
     latest = 1.0 + inputs.hold_max
     assert stale_input_error(inputs, 0.5 * (1.0 + latest), end_filter, "right") == ""
     said = stale_input_error(inputs, latest + 0.5, end_filter, "right")

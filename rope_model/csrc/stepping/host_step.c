@@ -81,8 +81,8 @@ static void cut_paths(const Scene *scene, const State *before, State *state, dou
         state->paths[side].stop = t;
         account_end(scene, before, state, &settings, side, &now);
         /* the path meets the given acceleration at its planned stop only */
-        state->filters[side].acceleration_misfit = now.acceleration_misfit;
-        state->filters[side].misfit_squares[2] = now.misfit_squares[2];
+        state->filters[side].misfits.acceleration = now.misfits.acceleration;
+        state->filters[side].misfits.squares[2] = now.misfits.squares[2];
     }
 }
 
