@@ -23,7 +23,13 @@ from rope_model.rules.audit import Audit
 from rope_model.rules.end_paths import EndPath
 from rope_model.rules.fidelity import Fidelity
 from rope_model.rules.generalized_alpha import Motion
-from rope_model.rules.input_filter import InputFilter
+from rope_model.rules.input_filter import (
+    GridDetector,
+    InputFilter,
+    Misfits,
+    Repetitions,
+    TableDetector,
+)
 from rope_model.rules.partition import Partition
 from rope_model.rules.swivel_phases import Phase, SwivelState
 from rope_model.shaft_parameters import FAR
@@ -145,6 +151,10 @@ _KINDS: dict[str, type[Any]] = {
     "phase": Phase,
     "paths": EndPath,
     "filters": InputFilter,
+    "misfits": Misfits,
+    "repetitions": Repetitions,
+    "grid": GridDetector,
+    "table": TableDetector,
     "events": Event,
     "energy_balance": EnergyBalance,
     "errors": ErrorSums,
