@@ -18,13 +18,13 @@ import numpy as np
 from hoist_demo.control.controller import Command, ControllerState, Gains
 from hoist_demo.control.kernel import ARGUMENTS, RESULTS, law_kernel
 from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint
-from hoist_demo.cosimulation.c_structures import (
+from hoist_demo.cosimulation.drive_signals import OUTPUT_COLUMNS, ROW, WORK_COLUMNS
+from hoist_demo.cosimulation.participants.c_structures import (
     Member,
     SharedStructure,
     definition,
     fields_of,
 )
-from hoist_demo.cosimulation.drive_signals import OUTPUT_COLUMNS, ROW, WORK_COLUMNS
 from hoist_demo.cosimulation.participants.fmi_versions import DISCARD, WARNING
 from hoist_demo.cosimulation.participants.hoist_partner import DriveCommand
 from hoist_demo.cosimulation.participants.library_calls import (

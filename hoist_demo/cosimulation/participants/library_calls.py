@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.cosimulation.c_structures import Member, SharedStructure, fields_of
+from hoist_demo.cosimulation.participants.c_structures import Member, SharedStructure, fields_of
 from hoist_demo.recording.fidelity import code_of
 from rope_model import Status
 
