@@ -25,10 +25,11 @@ from rope_model.method.partition import Partition
 from rope_model.method.swivel_phases import Phase
 from rope_model.parameters import Scene
 from rope_model.physics.element import NODE_DOF
+from rope_model.physics.energy_balance import Powers
 from rope_model.physics.node import SIDES
 from rope_model.signals.signal_table import SIGNALS, checked_names
 from rope_model.solver_parameters import FidelityChoice
-from rope_model.state import NO_HYSTERESIS, Event, Powers, RopeState
+from rope_model.state import NO_HYSTERESIS, Event, RopeState
 from rope_model.warnings.result_warnings import WARNINGS
 
 _MOTIONS = struct.Struct(f"{2 * len(EndMotion.__dataclass_fields__)}d")

@@ -13,7 +13,13 @@ import numpy as np
 
 from rope_model.arrays import Array
 from rope_model.boundary.end_paths import EndPath
-from rope_model.boundary.input_filter import InputFilter
+from rope_model.boundary.input_filter import (
+    GridDetector,
+    InputFilter,
+    Misfits,
+    Repetitions,
+    TableDetector,
+)
 from rope_model.fidelity.choice import Fidelity
 from rope_model.method.audit import Audit
 from rope_model.method.generalized_alpha import Motion
@@ -22,7 +28,7 @@ from rope_model.method.step_errors import ErrorSums
 from rope_model.method.swivel_phases import Phase, SwivelState
 from rope_model.physics.contact_error import ContactSums
 from rope_model.physics.element import POINTS
-from rope_model.physics.energy_balance import EnergyBalance
+from rope_model.physics.energy_balance import EnergyBalance, Powers
 from rope_model.physics.guard import GuardState
 from rope_model.physics.initial_curvature import START
 from rope_model.physics.shaft import KINDS
@@ -54,13 +60,6 @@ class Event(NamedTuple):
     what: str
     kinetic: float = 0.0
     potential: float = 0.0
-
-
-class Powers(NamedTuple):
-    """Powers at the ends in W, integrated by the trapezoidal rule."""
-
-    ends: float = 0.0
-    swivel: float = 0.0
 
 
 class Nearest(NamedTuple):
@@ -109,7 +108,7 @@ class RopeState(NamedTuple):
     energy_balance: EnergyBalance = EnergyBalance()
     errors: ErrorSums = ErrorSums()
     contact: ContactSums = ContactSums()
-    powers: Powers = Powers()
+    powers: Powers = Powers(0.0, 0.0)
     counts: Counts = Counts()
     # rad, twist at which the rope last snapped through when it was hung up; 0: never
     snap_twist: float = 0.0
@@ -152,6 +151,10 @@ _KINDS: dict[str, type[Any]] = {
     "phase": Phase,
     "paths": EndPath,
     "filters": InputFilter,
+    "misfits": Misfits,
+    "repetitions": Repetitions,
+    "grid": GridDetector,
+    "table": TableDetector,
     "events": Event,
     "energy_balance": EnergyBalance,
     "errors": ErrorSums,

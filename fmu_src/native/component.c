@@ -12,12 +12,21 @@
 #define TIME_SLACK(t) (1e-9 + 4 * DBL_EPSILON * fabs(t)) /* s, difference allowed between times of host and model */
 #define TOLERANCE_DIGITS 1e-5 /* relative, to which a model description writes its tolerance */
 #define MIN_STEP 1e-9 /* s; shorter steps, which rounding of the host's times leaves, do not advance the model */
-/* flags of entered(): the host has set the value; it is a derivative that the host has given of another input */
+/* origins of an entry: its start value; the host has set it; the host has set it as the derivative of another input.
+   Numbers, as a saved state has them among the others. */
+#define FROM_START 0.0
 #define GIVEN 1.0
 #define DERIVED 2.0
 /* entries that changed since the model was set up */
 enum { NOTHING = 0, INPUTS = 1, PARAMETERS = 2 };
 enum { DECIMAL_SIZE = 32, STATE_VERSION = 6 };
+
+/* Numbers of all scalars by value reference, MODEL_SCALARS in each array */
+typedef struct {
+    double *entries; /* values that the host has entered */
+    double *used;    /* entries last passed to the model */
+    double *origins; /* of the entries: FROM_START, GIVEN or DERIVED */
+} Scalars;
 
 struct Component {
     Allocator allocator;
@@ -35,10 +44,11 @@ struct Component {
     bool at_event;   /* the last step ended at an event */
     unsigned warned; /* bit k: warning k was logged since initialisation began */
     char status[MESSAGE_BYTES], message[MESSAGE_BYTES];
-    double values[]; /* MODEL_SCALARS each: entries, those last passed to the model, and flags of entered() */
+    Scalars scalars; /* arrays in `numbers` */
+    double numbers[];
 };
 
-/* Header of a state; the values and the model's bytes follow. */
+/* Header of a state; the numbers of Scalars and the model's bytes follow. */
 typedef struct {
     char magic[8];
     uint64_t bytes, checksum; /* checksum: of the bytes behind it */
@@ -114,18 +124,24 @@ static bool log_error(Component *c, const char *format, ...) {
     return false;
 }
 
-/* Return flags of all scalars, 1 where the host has set the value. */
-static double *entered(Component *c) {
-    return c->values + 2 * MODEL_SCALARS;
+/* Return the bytes of one array of Scalars. */
+static size_t array_bytes(void) {
+    return MODEL_SCALARS * sizeof(double);
 }
 
-static size_t values_bytes(void) {
-    return 3 * MODEL_SCALARS * sizeof(double);
+/* Return the bytes of all arrays of Scalars. */
+static size_t scalars_bytes(void) {
+    return 3 * array_bytes();
+}
+
+/* Return the arrays that follow each other in a block of scalars_bytes(). */
+static Scalars scalars_in(double *block) {
+    return (Scalars){block, block + MODEL_SCALARS, block + 2 * MODEL_SCALARS};
 }
 
 /* Record that the model uses the present entries. */
 static void mark_as_used(Component *c) {
-    memcpy(c->values + MODEL_SCALARS, c->values, MODEL_SCALARS * sizeof(double));
+    memcpy(c->scalars.used, c->scalars.entries, array_bytes());
     c->retune = false;
 }
 
@@ -152,9 +168,10 @@ const char *log_category(Severity severity) {
 }
 
 Component *component_create(const Allocator *allocator, ComponentLog log, void *context) {
-    Component *c = allocator->allocate(1, sizeof *c + values_bytes());
+    Component *c = allocator->allocate(1, sizeof *c + scalars_bytes());
     if (!c) return NULL;
-    memset(c, 0, sizeof *c + values_bytes());
+    memset(c, 0, sizeof *c + scalars_bytes());
+    c->scalars = scalars_in(c->numbers);
     c->allocator = *allocator;
     c->log = log;
     c->context = context;
@@ -236,7 +253,7 @@ static size_t index_of(const char *name) {
 void component_tolerance(Component *c, double tolerance) {
     const char *name = model_accuracy();
     const size_t scalar = name ? index_of(name) : MODEL_SCALARS;
-    const double own = scalar < MODEL_SCALARS ? c->values[scalar] : 0.0;
+    const double own = scalar < MODEL_SCALARS ? c->scalars.entries[scalar] : 0.0;
     char message[MESSAGE_BYTES], text[DECIMAL_SIZE], other[DECIMAL_SIZE];
     if (scalar < MODEL_SCALARS && fabs(tolerance - own) <= TOLERANCE_DIGITS * fabs(own)) return;
     shortest(tolerance, text);
@@ -288,10 +305,10 @@ static bool set_up(Component *c) {
     c->changed = NOTHING;
     c->valid = true;
     c->status[0] = '\0';
-    if (!c->model) c->model = model_create(c->values, &c->allocator, reason);
+    if (!c->model) c->model = model_create(c->scalars.entries, &c->allocator, reason);
     if (!c->model)
         log_error(c, "initialisation: %s", reason);
-    else if (!model_initialize(c->model, c->start, c->values, reason)) {
+    else if (!model_initialize(c->model, c->start, c->scalars.entries, reason)) {
         log_error(c, "%s", reason);
         model_destroy(c->model);
         c->model = NULL;
@@ -332,12 +349,12 @@ bool component_exit_initialization(Component *c) {
    H is the time between them: the step's, where inputs are those at its end, else the last one's; a = 0 before. */
 static void infer_accelerations(Component *c, double h) {
     const size_t at_end = index_of("inputs_at_step_end");
-    const double H = at_end < MODEL_SCALARS && c->values[at_end] != 0.0 ? h : c->last_step;
-    const double *now = c->values, *before = c->values + MODEL_SCALARS;
+    const double H = at_end < MODEL_SCALARS && c->scalars.entries[at_end] != 0.0 ? h : c->last_step;
+    const double *now = c->scalars.entries, *before = c->scalars.used, *origins = c->scalars.origins;
     for (size_t y = 0; y < MODEL_SCALARS; y++) {
         const size_t v = MODEL_VARIABLES[y].rate, a = v ? MODEL_VARIABLES[v].rate : 0;
-        if (!a || entered(c)[v] != DERIVED || entered(c)[a] != 0.0) continue;
-        c->values[a] = H > 0.0 ? (6.0 * (before[y] - now[y]) / H + 2.0 * before[v] + 4.0 * now[v]) / H : 0.0;
+        if (!a || origins[v] != DERIVED || origins[a] != FROM_START) continue;
+        c->scalars.entries[a] = H > 0.0 ? (6.0 * (before[y] - now[y]) / H + 2.0 * before[v] + 4.0 * now[v]) / H : 0.0;
     }
 }
 
@@ -356,10 +373,10 @@ static bool step(Component *c, double t, double h, int *event) {
         if (event) *event = 0;
         return true;
     }
-    if (c->retune && !model_retune(c->model, c->values, reason)) return log_error(c, "%s", reason);
+    if (c->retune && !model_retune(c->model, c->scalars.entries, reason)) return log_error(c, "%s", reason);
     infer_accelerations(c, h);
     mark_as_used(c);
-    if (!model_step(c->model, t, h, c->values, event, reason)) return log_error(c, "%s", reason);
+    if (!model_step(c->model, t, h, c->scalars.entries, event, reason)) return log_error(c, "%s", reason);
     return true;
 }
 
@@ -407,8 +424,10 @@ void component_reset(Component *c) {
     c->stop = INFINITY;
     c->valid = true;
     c->status[0] = c->message[0] = '\0';
-    memset(entered(c), 0, MODEL_SCALARS * sizeof(double));
-    for (size_t i = 0; i < MODEL_SCALARS; i++) c->values[i] = model_start(i);
+    for (size_t i = 0; i < MODEL_SCALARS; i++) {
+        c->scalars.entries[i] = model_start(i);
+        c->scalars.origins[i] = FROM_START;
+    }
 }
 
 /* values */
@@ -438,7 +457,7 @@ bool component_get(Component *c, size_t scalar, double *value) {
     char reason[MESSAGE_BYTES];
     *value = 0.0;
     const Variable *variable = &MODEL_VARIABLES[scalar];
-    if (variable->source == FROM_ENTRY) *value = c->values[scalar];
+    if (variable->source == FROM_ENTRY) *value = c->scalars.entries[scalar];
     if (variable->source == FROM_STATUS_VALID) *value = c->valid;
     if (variable->source == FROM_TIME) *value = component_time(c);
     if (variable->source != FROM_MODEL) return true;
@@ -484,21 +503,21 @@ static bool enter(Component *c, size_t scalar, double value) {
         return log_error(c, "%s is the independent variable; it advances with the steps and cannot be set",
                          variable->name);
     if (c->started && variable->variability == VARIABILITY_FIXED) {
-        if (value == c->values[scalar]) return true;
+        if (value == c->scalars.entries[scalar]) return true;
         return log_error(c, "%s is fixed after initialisation; it stays %s; reset the FMU to change it", variable->name,
-                         value_text(variable, c->values[scalar], text));
+                         value_text(variable, c->scalars.entries[scalar], text));
     }
     check_entry(variable, value, reason);
     if (*reason) return log_error(c, "%s", reason);
     if (c->started && variable->variability == VARIABILITY_TUNABLE) c->retune = true;
     c->changed |= variable->causality == CAUSALITY_PARAMETER ? PARAMETERS : INPUTS;
-    c->values[scalar] = value;
+    c->scalars.entries[scalar] = value;
     return true;
 }
 
 bool component_set(Component *c, size_t scalar, double value) {
     if (!enter(c, scalar, value)) return false;
-    if (c->started) entered(c)[scalar] = GIVEN; /* earlier ones are start values */
+    if (c->started) c->scalars.origins[scalar] = GIVEN; /* earlier ones are start values */
     return true;
 }
 
@@ -511,9 +530,9 @@ bool component_set_rate(Component *c, size_t scalar, int order, double value) {
         return log_error(c, "derivative %d of %s = %s must be of order 1 or higher, and finite", order, variable->name,
                          shortest(value, text));
     for (; order > 0 && scalar; order--) scalar = MODEL_VARIABLES[scalar].rate;
-    if (!scalar || entered(c)[scalar] == GIVEN) return true;
+    if (!scalar || c->scalars.origins[scalar] == GIVEN) return true;
     if (!enter(c, scalar, value)) return false;
-    if (c->started) entered(c)[scalar] = DERIVED;
+    if (c->started) c->scalars.origins[scalar] = DERIVED;
     return true;
 }
 
@@ -550,7 +569,7 @@ static size_t model_bytes(const Component *c) {
 }
 
 size_t component_state_bytes(const Component *c) {
-    return sizeof(StateHeader) + values_bytes() + model_bytes(c);
+    return sizeof(StateHeader) + scalars_bytes() + model_bytes(c);
 }
 
 /* Return the FNV-1a hash over words: fast, because hosts save at every step.  It detects damage, not malice. */
@@ -571,7 +590,7 @@ static uint64_t state_checksum(const void *state, size_t bytes) {
 
 void component_save(const Component *c, void *to) {
     StateHeader header;
-    unsigned char *values = (unsigned char *)to + sizeof header, *rest = values + values_bytes();
+    unsigned char *numbers = (unsigned char *)to + sizeof header, *rest = numbers + scalars_bytes();
     memset(&header, 0, sizeof header);
     memcpy(header.magic, MAGIC, sizeof MAGIC);
     header.bytes = component_state_bytes(c);
@@ -586,7 +605,7 @@ void component_save(const Component *c, void *to) {
     header.last_step = c->last_step;
     model_token(header.token);
     strcpy(header.status, c->status);
-    memcpy(values, c->values, values_bytes());
+    memcpy(numbers, c->numbers, scalars_bytes());
     if (model_bytes(c)) model_save(c->model, rest);
     memcpy(to, &header, sizeof header);
     header.checksum = state_checksum(to, (size_t)header.bytes);
@@ -602,10 +621,42 @@ static bool is_message(const char text[MESSAGE_BYTES]) {
     return false;
 }
 
+/* Return the entries in a state. */
+static const double *saved_entries(const StateHeader *header) {
+    return (const double *)(header + 1);
+}
+
+/* Return the entries in a state that the model used last. */
+static const double *saved_used(const StateHeader *header) {
+    return saved_entries(header) + MODEL_SCALARS;
+}
+
+/* Return the bytes of the model in a state. */
+static const unsigned char *saved_model(const StateHeader *header) {
+    return (const unsigned char *)(header + 1) + scalars_bytes();
+}
+
+/* True if a component can have this mode, these times and this status. */
+static bool header_plausible(const StateHeader *header) {
+    const bool before_start = header->mode == INSTANTIATED || header->mode == INITIALIZATION;
+    const bool after_start = header->mode == STEPPING || header->mode == TERMINATED;
+    if (!before_start && !after_start && header->mode != FAILED) return false;
+    if ((before_start && header->started) || (after_start && !header->started)) return false;
+    if (!isfinite(header->start) || !isfinite(header->time) || !isfinite(header->last_step)) return false;
+    if (!(header->stop >= header->start) || !is_message(header->status)) return false;
+    return header->valid || header->status[0] != '\0';
+}
+
+/* Write the reason why a component cannot have these entries; "" if it can. */
+static void check_entries(const double *entries, char reason[MESSAGE_BYTES]) {
+    reason[0] = '\0';
+    for (size_t i = 0; i < MODEL_SCALARS && !reason[0]; i++)
+        if (MODEL_VARIABLES[i].source == FROM_ENTRY) check_entry(&MODEL_VARIABLES[i], entries[i], reason);
+}
+
 bool component_is_state(Component *c, const void *from, size_t bytes) {
     const StateHeader *header = from;
-    const double *values = (const double *)(header + 1);
-    size_t least = sizeof *header + values_bytes(), i;
+    const size_t least = sizeof *header + scalars_bytes();
     char reason[MESSAGE_BYTES], expected[TOKEN_BYTES], text[DECIMAL_SIZE];
     model_token(expected);
     if (bytes < sizeof *header || memcmp(header->magic, MAGIC, sizeof MAGIC))
@@ -615,21 +666,10 @@ bool component_is_state(Component *c, const void *from, size_t bytes) {
     if (bytes < least || header->bytes != bytes || header->checksum != state_checksum(from, bytes))
         return log_error(c, "these %s bytes are a damaged state: length or checksum do not fit; save it anew",
                          shortest((double)bytes, text));
-    if ((header->mode != INSTANTIATED && header->mode != INITIALIZATION && header->mode != STEPPING &&
-         header->mode != TERMINATED && header->mode != FAILED) ||
-        ((header->mode == STEPPING || header->mode == TERMINATED) && !header->started) ||
-        ((header->mode == INSTANTIATED || header->mode == INITIALIZATION) && header->started) ||
-        !isfinite(header->start) || !isfinite(header->time) || !isfinite(header->last_step) ||
-        !(header->stop >= header->start) || !is_message(header->status) ||
-        (!header->valid && header->status[0] == '\0'))
-        return log_error(c, "the state contradicts itself; save it anew");
-    for (i = 0; i < 2 * MODEL_SCALARS; i++) {
-        const Variable *variable = &MODEL_VARIABLES[i % MODEL_SCALARS];
-        if (variable->source != FROM_ENTRY) continue;
-        check_entry(variable, values[i], reason);
-        if (*reason) return log_error(c, "the state contradicts itself: %s", reason);
-    }
-    return true;
+    if (!header_plausible(header)) return log_error(c, "the state contradicts itself; save it anew");
+    check_entries(saved_entries(header), reason);
+    if (!reason[0]) check_entries(saved_used(header), reason);
+    return !reason[0] || log_error(c, "the state contradicts itself: %s", reason);
 }
 
 static bool same_fixed(const double *a, const double *b) {
@@ -640,20 +680,19 @@ static bool same_fixed(const double *a, const double *b) {
 
 bool component_restore(Component *c, const void *from, size_t bytes) {
     const StateHeader *header = from;
-    const double *values = (const double *)(header + 1), *goes_by = values + MODEL_SCALARS;
-    const void *rest = (const unsigned char *)values + values_bytes();
     ModelInstance *model = NULL;
     char reason[MESSAGE_BYTES] = "";
     if (!component_is_state(c, from, bytes)) return false;
     if (header->started) {
-        size_t count = bytes - ((const unsigned char *)rest - (const unsigned char *)from);
+        const double *used = saved_used(header);
+        const size_t count = bytes - sizeof *header - scalars_bytes();
         /* Other fixed parameters need a new model; the present one stays until that has the state. */
-        const bool fits = c->started && c->model && same_fixed(values, c->values);
-        model = fits ? c->model : model_create(goes_by, &c->allocator, reason);
-        if (!model || !model_retune(model, goes_by, reason) || !model_restore(model, rest, count, reason)) {
+        const bool fits = c->started && c->model && same_fixed(saved_entries(header), c->scalars.entries);
+        model = fits ? c->model : model_create(used, &c->allocator, reason);
+        if (!model || !model_retune(model, used, reason) || !model_restore(model, saved_model(header), count, reason)) {
             char other[MESSAGE_BYTES];
             if (fits)
-                model_retune(model, c->values + MODEL_SCALARS, other);
+                model_retune(model, c->scalars.used, other);
             else
                 model_destroy(model);
             return log_error(c, "setFMUstate: %s", reason);
@@ -661,7 +700,7 @@ bool component_restore(Component *c, const void *from, size_t bytes) {
     }
     if (model != c->model) model_destroy(c->model);
     c->model = model;
-    memcpy(c->values, values, values_bytes());
+    memcpy(c->numbers, saved_entries(header), scalars_bytes());
     memcpy(c->status, header->status, sizeof c->status);
     c->start = header->start;
     c->stop = header->stop;

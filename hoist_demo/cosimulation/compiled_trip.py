@@ -6,7 +6,7 @@ bits.
 """
 
 import math
-from ctypes import CDLL, Structure, addressof, byref, c_double, c_int, c_size_t, c_void_p, cast
+from ctypes import CDLL, addressof, byref, c_int, c_void_p, cast
 from dataclasses import astuple, dataclass, fields
 from functools import cache
 from importlib.resources import files
@@ -19,6 +19,12 @@ from hoist_demo.control.controller import Command, ControllerState, Gains
 from hoist_demo.control.kernel import ARGUMENTS, RESULTS, law_kernel
 from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint
 from hoist_demo.cosimulation.drive_signals import OUTPUT_COLUMNS, ROW, WORK_COLUMNS
+from hoist_demo.cosimulation.participants.c_structures import (
+    Member,
+    SharedStructure,
+    definition,
+    fields_of,
+)
 from hoist_demo.cosimulation.participants.fmi_versions import DISCARD, WARNING
 from hoist_demo.cosimulation.participants.hoist_partner import DriveCommand
 from hoist_demo.cosimulation.participants.library_calls import (
@@ -105,32 +111,72 @@ _NUMBERS: dict[str, float] = {
     **{f"AS_{name}": k for k, name in enumerate(FUNCTIONS)},
     **{f"COLUMN_{name}": ROW.index(signal) for name, signal in _COLUMNS.items()},
 }
-#: Columns of a sample in C.
-_SAMPLE_TIME = 0
-_SAMPLE_FORCE = slice(1, 3)
-_SAMPLE_MEAN = slice(3, 5)
-_SAMPLE_ACCELERATION = slice(5, 7)
-_SAMPLE_SIZE = 7
 
 
-def _fields(kind: type, names: str) -> list[tuple[str, type]]:
-    return [(name, kind) for name in names.split()]
+class TripSample(SharedStructure):
+    """Forces and motions of the interface at one communication point."""
 
-
-class TripStructure(Structure):
-    """Arguments and state of trip.c, its struct Trip."""
-
-    _fields_ = (
-        *_fields(c_void_p, "drive z y law_arguments"),
-        *_fields(Access, "step motions valid forces sides guard"),
-        *_fields(c_void_p, "recorded warning warned text log_warnings"),
-        *_fields(c_int, "records warnings watched per_sample per_step"),
-        *_fields(c_double, "start H period radius start_height ropes slack_tension"),
-        *_fields(c_void_p, "reference samples row"),
-        *_fields(c_size_t, "columns"),
-        *_fields(c_double, "step_next torque integral residual exchanges drive_time rope_time"),
-        *_fields(c_int, "sample_count steps evaluations status"),
+    members = (
+        Member("t", "double"),
+        Member("force", "double", length=2),
+        Member("mean", "double", length=2),
+        Member("acceleration", "double", length=2),
     )
+    _fields_ = fields_of(members)
+
+
+class Trip(SharedStructure):
+    """Arguments and state of a trip in C."""
+
+    members = (
+        # the drive
+        Member("drive", "Kernel *", "one substep of the drive"),
+        Member("z", "double *", "its arguments"),
+        Member("y", "double *", "its results"),
+        Member("law_arguments", "double *"),
+        # the rope; accesses without a function where it lacks one
+        Member("step", "Access"),
+        Member("motions", "Access"),
+        Member("valid", "Access"),
+        Member("forces", "Access"),
+        Member("sides", "Access"),
+        Member("guard", "Access"),
+        Member("recorded", "const Access *"),
+        Member("warning", "RopeWarning *"),
+        Member("warned", "char *", "1 for each warning that was logged"),
+        Member("text", "char *", "of a warning"),
+        Member("log_warnings", "LogWarnings *"),
+        Member("records", "int", "number of recorded accesses"),
+        Member("warnings", "int", "number of warnings"),
+        Member("watched", "int", "not 0 while the safety circuit is watched"),
+        # the trip
+        Member("per_sample", "int", "steps"),
+        Member("per_step", "int", "commands"),
+        Member("start", "double", "s"),
+        Member("H", "double", "s, communication step"),
+        Member("period", "double", "s, of samples"),
+        Member("radius", "double", "m, of the sheave"),
+        Member("start_height", "double", "m, of the left conveyance"),
+        Member("ropes", "double", "number of tail ropes"),
+        Member("slack_tension", "double", "N"),
+        Member("reference", "const Reference *", "of all commands of the trip"),
+        # its state
+        Member("samples", "TripSample *", "the last ones, oldest first"),
+        Member("row", "double *", "of the record, where the first sample goes"),
+        Member("columns", "size_t", "of a row"),
+        Member("step_next", "double", "s, of the drive"),
+        Member("torque", "double", "N m, commanded"),
+        Member("integral", "double", "of the controller"),
+        Member("residual", "double", "J, energy that the coupling adds"),
+        Member("exchanges", "double"),
+        Member("drive_time", "double", "s, wall time"),
+        Member("rope_time", "double", "s, wall time"),
+        Member("sample_count", "int"),
+        Member("steps", "int"),
+        Member("evaluations", "int", "of the drive"),
+        Member("status", "int", "of the rope's latest call"),
+    )
+    _fields_ = fields_of(members, (Access,))
 
 
 @dataclass(frozen=True)
@@ -176,13 +222,13 @@ class CompiledTrip:
         self._sides = rope.table(side_forces, 1)
         self._guard = rope.table(guard, 1)
         self._recorded = (Access * len(self._table.accesses))(*self._table.accesses)
-        self._samples = np.zeros((HISTORY, _SAMPLE_SIZE))
+        self._samples = (TripSample * HISTORY)()
         self._log_warnings = LOG_WARNINGS(rope.log_warnings)
         self._trajectory: Trajectory | None = None
         slack_tension = -math.inf
         if hoist.slack_tension is not None:
             slack_tension = hoist.slack_tension
-        self._trip = TripStructure(
+        self._trip = Trip(
             drive=cast(self._advance, c_void_p),
             z=drive.z.ctypes.data,
             y=drive.y.ctypes.data,
@@ -209,7 +255,7 @@ class CompiledTrip:
             start_height=data.start_height,
             ropes=hoist.tail_rope_number,
             slack_tension=slack_tension,
-            samples=self._samples.ctypes.data,
+            samples=addressof(self._samples),
             columns=len(run.recorder.names),
         )
 
@@ -282,11 +328,11 @@ class CompiledTrip:
         )
         for name, values in parts.items():
             self._drive.y[self._drive.result[name]] = values
-        for row, sample in zip(self._samples, scheme_state.samples, strict=False):
-            row[_SAMPLE_TIME] = sample.t
-            row[_SAMPLE_FORCE] = sample.force
-            row[_SAMPLE_MEAN] = sample.mean
-            row[_SAMPLE_ACCELERATION] = sample.acceleration
+        for kept, sample in zip(self._samples, scheme_state.samples, strict=False):
+            kept.t = sample.t
+            kept.force[:] = sample.force
+            kept.mean[:] = sample.mean
+            kept.acceleration[:] = sample.acceleration
         trip.sample_count = len(scheme_state.samples)
         trip.step_next = state.step_next
         trip.steps = run.steps
@@ -309,9 +355,8 @@ class CompiledTrip:
             x=last["x"], work_totals=last["work_totals"], step_next=trip.step_next
         )
         run.drive.set_state(state, last["applied_input"], last["outputs"])
-        rows = self._samples[: trip.sample_count].copy()
         run.scheme_state = run.scheme_state._replace(
-            samples=tuple(map(_sample_of, rows)),
+            samples=tuple(map(_sample_of, self._samples[: trip.sample_count])),
             exchanges=int(trip.exchanges),
             residual=trip.residual,
         )
@@ -340,13 +385,13 @@ def _only_access(table: OutputTable) -> Access:
     return next(iter(table.accesses), Access())
 
 
-def _sample_of(row: np.ndarray[Any, np.dtype[np.float64]]) -> Sample:
-    """Return the sample that C keeps in a row."""
+def _sample_of(kept: TripSample) -> Sample:
+    """Return the sample that C keeps."""
     return Sample(
-        t=row.item(_SAMPLE_TIME),
-        force=row[_SAMPLE_FORCE],
-        mean=row[_SAMPLE_MEAN],
-        acceleration=row[_SAMPLE_ACCELERATION],
+        t=kept.t,
+        force=np.array(kept.force),
+        mean=np.array(kept.mean),
+        acceleration=np.array(kept.acceleration),
     )
 
 
@@ -360,6 +405,7 @@ def _library(structure: Hoist, kernels: integrator.DriveKernels) -> CDLL:
     sources = {
         "trip.c": files(__package__).joinpath("trip.c").read_text(encoding="utf-8"),
         "numbers.h": _numbers_header(law, kernels),
+        "structures.h": "\n".join(map(definition, (Access, TripSample, Trip))),
         "law.c": generate_c((law,), "law"),
     }
     return CDLL(str(compile_library(sources, compiler, cache_folder(), "hoist_trip")))

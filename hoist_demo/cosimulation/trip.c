@@ -1,6 +1,7 @@
 /* Samples of a trip as hoist_demo.cosimulation.host winds them, bit for bit: with the scheme GaussSeidel(1), the
    SpeedController and head ropes that hold on the sheave.  The formulas of drive and control law are generated; these
-   functions and the rope's come as pointers.  compiled_trip.py fills the structures, and writes numbers.h. */
+   functions and the rope's come as pointers.  compiled_trip.py writes numbers.h and structures.h,
+   and fills the structures. */
 
 #define _POSIX_C_SOURCE 199309L /* clock_gettime */
 
@@ -65,45 +66,10 @@ typedef union {
     POINTER_3(fmi3GetString, Text)
 } Function;
 
-/* Function of the rope that gets or sets values, a row of them at a time */
-typedef struct {
-    int called_as; /* AS_ and the name of the function, which tells the member of the union */
-    Function function;
-    void *rope;
-    const void *numbers; /* of the values */
-    size_t count, length, bytes;
-    char *values;
-} Access;
-
-/* Forces and motions of the interface at one communication point */
-typedef struct {
-    double t, force[2], mean[2], acceleration[2];
-} Sample;
-
+typedef void LogWarnings(void);
 typedef double Reference[4]; /* position, speed, acceleration, jerk */
 
-typedef struct {
-    Kernel *drive; /* one substep of the drive */
-    double *z, *y; /* its arguments and results */
-    double *law_arguments;
-
-    Access step, motions, valid, forces, sides, guard; /* of the rope; without a function where it lacks one */
-    const Access *recorded;
-    RopeWarning *warning;
-    char *warned, *text;
-    void (*log_warnings)(void);
-    int records, warnings, watched;
-
-    int per_sample, per_step;
-    double start, H, period, radius, start_height, ropes, slack_tension;
-    const Reference *reference; /* of all commands of the trip */
-
-    Sample *samples; /* the last ones, oldest first */
-    double *row;     /* of the record, where the first sample goes */
-    size_t columns;
-    double step_next, torque, integral, residual, exchanges, drive_time, rope_time;
-    int sample_count, steps, evaluations, status;
-} Trip;
+#include "structures.h" /* Access, TripSample, Trip: generated from compiled_trip.py */
 
 static double now(void) {
 #ifdef _WIN32
@@ -278,7 +244,7 @@ static double command(Trip *trip, const Reference reference) {
 /* Continue the line through the rope's last forces over the next step. */
 static void extrapolate_forces(Trip *trip) {
     double *path = trip->z + AT_PATH;
-    const Sample *last = trip->samples + trip->sample_count - 1;
+    const TripSample *last = trip->samples + trip->sample_count - 1;
     for (int i = 0; i < 2; i++) {
         double slope = 0.0;
         if (trip->sample_count > 1) slope = (last->force[i] - last[-1].force[i]) / -((last[-1].t - last->t) / trip->H);
@@ -307,7 +273,7 @@ static Stop step_drive_under_commands(Trip *trip, const Reference *reference) {
 }
 
 /* Keep a sample behind the others, in place of the oldest one. */
-static void append_sample(Trip *trip, Sample sample) {
+static void append_sample(Trip *trip, TripSample sample) {
     if (trip->sample_count == HISTORY)
         memmove(trip->samples, trip->samples + 1, (HISTORY - 1) * sizeof sample);
     else
@@ -322,7 +288,7 @@ static Stop exchange(Trip *trip, double t, const Reference *reference) {
     const double *force = (const double *)trip->forces.values;
     const double left_before = outputs[Y_LEFT], right_before = outputs[Y_LEFT + 1];
     double drive_done, left_distance, right_distance;
-    Sample sample;
+    TripSample sample;
     Stop stop;
 
     extrapolate_forces(trip);

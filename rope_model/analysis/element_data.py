@@ -6,7 +6,7 @@ import numpy as np
 
 from rope_model.arrays import Array
 from rope_model.engine import NativeRope
-from rope_model.physics.air import air_coefficients
+from rope_model.physics.air import air_acts, air_coefficients
 from rope_model.physics.air_element import COEFFICIENTS_SIZE
 from rope_model.physics.element import NODE_DOF, parameters
 from rope_model.physics.rope_element import AIR, CURVED, WIRES, Features
@@ -44,11 +44,11 @@ def element_data(rope: NativeRope) -> ElementData:
         features.append(WIRES)
         # the residual does not depend on the latest tangents
         frames = np.hstack((frames, np.zeros((len(frames), TANGENT_SIZE))))
-    blows = air_coefficients(scene.shaft.air, scene.rope.diameter, scene.layout.spacing)
     air = np.zeros(0)
-    if blows.factor:
+    if air_acts(scene.shaft.air, scene.rope.diameter):
         features.append(AIR)
-        air = np.array([blows.factor, *blows.velocity, *blows[2:]])
+        numbers = air_coefficients(scene.shaft.air, scene.rope.diameter, scene.layout.spacing)
+        air = np.array([numbers.factor, *numbers.velocity, *numbers[2:]])
         assert air.size == COEFFICIENTS_SIZE
     return ElementData(
         tuple(features),

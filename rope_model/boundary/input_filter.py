@@ -24,6 +24,7 @@ behind an acceleration of the rate J by n J / W.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from rope_model.boundary import quintic
@@ -92,6 +93,47 @@ Sample = tuple[
 ]
 
 
+class Misfits(NamedTuple):
+    """Sums of the misfits between given and followed motion, and of their effects."""
+
+    time: float = 0.0  # s
+    position: float = 0.0  # m, largest so far
+    speed: float = 0.0  # m/s, largest
+    acceleration: float = 0.0  # m/s^2, largest
+    squares: Axis = (0.0, 0.0, 0.0)  # time integrals of the squares of the three
+    # m/s^2, slowest axial wave of the leg, now and a quarter period later
+    wave: tuple[float, float] = (0.0, 0.0)
+    lag: float = 0.0  # m/s^2, lag of an estimated acceleration of y
+    force_error_square: float = 0.0  # N^2 s, time integral of the square of the end force's error
+    drift: float = 0.0  # m, slow part of the misfit of y
+    max_drift: float = 0.0  # m, largest size of the drift
+
+
+class Repetitions(NamedTuple):
+    """Repetitions of samples by a slower component."""
+
+    number: float = 0.0  # of steps with the sample of an earlier one
+    held: float = 0.0  # number of steps since the latest sample
+    sent_every: float = 0.0  # s, time between the latest samples with repetitions between them
+
+
+class GridDetector(NamedTuple):
+    """Grid to which the positions of a moving end may be rounded."""
+
+    size: float = 1.0  # m, coarsest of GRIDS with all positions; 1 before the first, 0: none
+    samples: float = 0.0  # number of samples of an end that moves
+
+
+class TableDetector(NamedTuple):
+    """Breaks of y, which may come from a table that is interpolated linearly."""
+
+    slope: float = 0.0  # m/s, slope of y between the latest two samples
+    straight_samples: float = 0.0  # number of samples since the last break of y's line
+    broken_at: float = 0.0  # s, instant of that break
+    breaks: float = 0.0  # number of breaks after straight pieces as long as the one before
+    piece: float = 0.0  # s, time between the latest two
+
+
 class InputFilter(NamedTuple):
     """State of an end's filter: latest input, filtered motion, misfits so far, and signs of their cause in y."""
 
@@ -101,30 +143,10 @@ class InputFilter(NamedTuple):
     motion: tuple[Axis, Axis, Axis, Axis] = ((0.0, 0.0, 0.0),) * 4
     end_accelerations: Four = (0.0,) * 4  # accelerations of the samples at the path's end
     recent_changes: Four = (0.0,) * 4  # largest recent changes of these between two steps
-    time: float = 0.0  # s
-    position_misfit: float = 0.0  # m, largest so far
-    speed_misfit: float = 0.0  # m/s, largest
-    acceleration_misfit: float = 0.0  # m/s^2, largest
-    misfit_squares: Axis = (0.0, 0.0, 0.0)  # time integrals of the squares of the three
-    # m/s^2, slowest axial wave of the leg, now and a quarter period later
-    wave: tuple[float, float] = (
-        0.0,
-        0.0,
-    )
-    lag: float = 0.0  # m/s^2, lag of an estimated acceleration of y
-    force_error_square: float = 0.0  # N^2 s, time integral of the square of the end force's error
-    drift: float = 0.0  # m, slow part of the misfit of y
-    max_drift: float = 0.0  # m, largest size of the drift
-    repeats: float = 0.0  # number of steps with the sample of an earlier one
-    steps_held: float = 0.0  # number of steps since the latest sample
-    sent_every: float = 0.0  # s, time between the latest samples with repetitions between them
-    grid: float = 1.0  # m, coarsest of GRIDS with all positions; 1 before the first, 0: none
-    samples: float = 0.0  # number of samples of an end that moves
-    slope: float = 0.0  # m/s, slope of y between the latest two samples
-    straight_samples: float = 0.0  # number of samples since the last break of y's line
-    broken_at: float = 0.0  # s, instant of that break
-    breaks: float = 0.0  # number of breaks after straight pieces as long as the one before
-    table_every: float = 0.0  # s, time between the latest two
+    misfits: Misfits = Misfits()
+    repetitions: Repetitions = Repetitions()
+    grid: GridDetector = GridDetector()
+    table: TableDetector = TableDetector()
     # m (yaw: rad), by which the latest sample is off any expected motion
     position_jumps: Four = (NOT_ESTIMATED,) * 4
     speed_jumps: Four = (NOT_ESTIMATED,) * 4  # m/s (yaw: rad/s), the same of its speed
@@ -138,7 +160,8 @@ class InputFilter(NamedTuple):
     def at_rest(t: float, motion: EndMotion) -> InputFilter:
         """Return the state before anything moves."""
         x, y, z, yaw = ((x0, 0.0, 0.0) for x0 in (*motion.position, motion.yaw))
-        return InputFilter(tuple(vars(motion).values()), t, (x, y, z, yaw), broken_at=t)
+        table = TableDetector(broken_at=t)
+        return InputFilter(tuple(vars(motion).values()), t, (x, y, z, yaw), table=table)
 
 
 class FilterSettings(NamedTuple):
@@ -206,10 +229,10 @@ def filter_sample(
         )
     )
     moves = logical_or(*(abs(axis[1]) > RESTS_BELOW for axis in motion))
-    new_signs = _signs(state, given_at, since, end, motion[1][2], moves)
-    signs = {
-        name: where(repeated, getattr(state, name), value) for name, value in new_signs.items()
-    }
+    grid = _grid_after(state.grid, end.y, moves)
+    slope = (end.y - state.given[1]) / since
+    table = _table_after(state.table, given_at, slope, abs(motion[1][2]) * since)
+    repetitions = state.repetitions
     keeps_rates = logical_or(repeated, since < MIN_AIM_TIME)
     means = (
         (x - old) / since for x, old in zip((end.lean, end.lean_z), state.given[-2:], strict=True)
@@ -222,15 +245,26 @@ def filter_sample(
         given_at=where(repeated, state.given_at, given_at),
         motion=tuple(motion),
         recent_changes=recent_changes,
-        repeats=state.repeats + where(logical_and(repeated, is_later), 1.0, 0.0),
-        steps_held=where(repeated, state.steps_held + where(is_later, 1.0, 0.0), 0.0),
-        sent_every=where(logical_and(state.steps_held > 0, 1 - repeated), since, state.sent_every),
+        repetitions=Repetitions(
+            number=repetitions.number + where(logical_and(repeated, is_later), 1.0, 0.0),
+            held=where(repeated, repetitions.held + where(is_later, 1.0, 0.0), 0.0),
+            sent_every=where(
+                logical_and(repetitions.held > 0, 1 - repeated), since, repetitions.sent_every
+            ),
+        ),
+        grid=GridDetector(*_unless(repeated, state.grid, grid)),
+        table=TableDetector(*_unless(repeated, state.table, table)),
         lean_rates=tuple(
             where(keeps_rates, old, mean) for old, mean in zip(state.lean_rates, means, strict=True)
         ),
-        **signs,
     )
     return result
+
+
+def _unless(repeated: Scalar, old: Vector, new: Vector) -> Iterator[Scalar]:
+    """Yield the numbers of ``new``, or of ``old`` where the sample is repeated."""
+    for x, y in zip(old, new, strict=True):
+        yield where(repeated, x, y)
 
 
 def _jumps(
@@ -301,7 +335,7 @@ def _repeated(
         settings.position_trust > 0, where(settings.speed_trust > 0, moves, too_fast)
     )
     # the first sample is of the instant of the start
-    return logical_and(where(is_later, cannot_stay, state.time > 0), *same)
+    return logical_and(where(is_later, cannot_stay, state.misfits.time > 0), *same)
 
 
 def _completed(
@@ -335,33 +369,37 @@ def _completed(
     )
 
 
-def _signs(
-    state: InputFilter, given_at: Scalar, since: Scalar, end: EndMotion, ay: Scalar, moves: Scalar
-) -> dict[str, Any]:
-    """Return the fields with signs of rounded positions, and of a table that is interpolated linearly."""
+def _grid_after(grid: GridDetector, y: Scalar, moves: Scalar) -> GridDetector:
+    """Return the detector after a sample ``y`` (m) of an end, which counts if the end ``moves``."""
     finest: Any = 0.0
-    for grid in reversed(GRIDS):
-        multiple = end.y / grid
-        finest = where(abs(multiple - floor(multiple + 0.5)) < ON_GRID, grid, finest)
-    slope = (end.y - state.given[1]) / since
-    change = abs(slope - state.slope)
-    expected = abs(ay) * since
+    for size in reversed(GRIDS):
+        multiple = y / size
+        finest = where(abs(multiple - floor(multiple + 0.5)) < ON_GRID, size, finest)
+    return GridDetector(
+        size=where(moves, minimum(grid.size, finest), grid.size),
+        samples=grid.samples + where(moves, 1.0, 0.0),
+    )
+
+
+def _table_after(
+    table: TableDetector, given_at: Scalar, slope: Scalar, expected: Scalar
+) -> TableDetector:
+    """Return the detector after a sample with this ``slope``, where the acceleration explains a change ``expected``."""
+    change = abs(slope - table.slope)
     visible = expected > MIN_CHANGE
     breaks = logical_and(visible, change > BROKEN * expected)
     straight = logical_and(visible, change < STRAIGHT * expected)
-    counts = logical_and(breaks, state.straight_samples > 0)
-    piece = given_at - state.broken_at
-    is_table = state.breaks >= MIN_BREAKS
-    alike = logical_or(is_table, abs(piece - state.table_every) < TABLE_TOLERANCE * piece)
-    return {
-        "grid": where(moves, minimum(state.grid, finest), state.grid),
-        "samples": state.samples + where(moves, 1.0, 0.0),
-        "slope": slope,
-        "straight_samples": where(straight, state.straight_samples + 1.0, 0.0),
-        "broken_at": where(breaks, given_at, state.broken_at),
-        "breaks": where(counts, where(alike, state.breaks + 1.0, 1.0), state.breaks),
-        "table_every": where(logical_and(counts, 1 - is_table), piece, state.table_every),
-    }
+    counts = logical_and(breaks, table.straight_samples > 0)
+    piece = given_at - table.broken_at
+    is_table = table.breaks >= MIN_BREAKS
+    alike = logical_or(is_table, abs(piece - table.piece) < TABLE_TOLERANCE * piece)
+    return TableDetector(
+        slope=slope,
+        straight_samples=where(straight, table.straight_samples + 1.0, 0.0),
+        broken_at=where(breaks, given_at, table.broken_at),
+        breaks=where(counts, where(alike, table.breaks + 1.0, 1.0), table.breaks),
+        piece=where(logical_and(counts, 1 - is_table), piece, table.piece),
+    )
 
 
 def filter_path(path: EndPath, state: InputFilter, stop: Scalar, bandwidth: Scalar) -> EndPath:

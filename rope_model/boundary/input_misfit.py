@@ -18,6 +18,7 @@ from rope_model.boundary.input_filter import (
     JERKS,
     FilterSettings,
     InputFilter,
+    Misfits,
     end_misfits,
     sample_misfit,
 )
@@ -65,8 +66,9 @@ def add_misfit(
     # growth and lag of the acceleration, which is linear through the latest two samples
     grows = (state.motion[1][2] - state.end_accelerations[1]) / h
     order = where(settings.acceleration_trust > 0, 0.0, where(settings.speed_trust > 0, 2.0, 3.0))
-    lag = state.lag + (1.0 - exp(-settings.estimate * h)) * (
-        order * grows / settings.estimate - state.lag
+    sums = state.misfits
+    lag = sums.lag + (1.0 - exp(-settings.estimate * h)) * (
+        order * grows / settings.estimate - sums.lag
     )
     # part of the sample's misfit that one change of the acceleration's rate within the step
     # explains
@@ -108,27 +110,31 @@ def add_misfit(
     shifted = (
         position - c0 - h * c1 - h * h / 6.0 * (4.0 * c2 + acceleration) - 0.5 * h * bent - aside
     )
-    wave, leg_force = _leg_response(state.wave, added, rope, leg, h)
+    wave, leg_force = _leg_response(sums.wave, added, rope, leg, h)
     impedance = sqrt(rope.Qa * rope.mass_per_length)
     wave_force = STEP_SPEED * impedance * shifted / h
     within_force = WITHIN * impedance * speed_misfit
-    drift = state.drift + (1.0 - exp(-settings.observer * h)) * (misfit[1][0] - state.drift)
+    drift = sums.drift + (1.0 - exp(-settings.observer * h)) * (misfit[1][0] - sums.drift)
     x, y, z, yaw = state.motion
     result: InputFilter = state._replace(
         end_accelerations=(x[2], y[2], z[2], yaw[2]),
-        time=state.time + h,
-        position_misfit=maximum(state.position_misfit, misfits[0]),
-        speed_misfit=maximum(state.speed_misfit, misfits[1]),
-        acceleration_misfit=maximum(state.acceleration_misfit, misfits[2]),
-        misfit_squares=tuple(
-            s + h * (x * x) for s, x in zip(state.misfit_squares, misfits, strict=True)
+        misfits=Misfits(
+            time=sums.time + h,
+            position=maximum(sums.position, misfits[0]),
+            speed=maximum(sums.speed, misfits[1]),
+            acceleration=maximum(sums.acceleration, misfits[2]),
+            squares=(
+                sums.squares[0] + h * (misfits[0] * misfits[0]),
+                sums.squares[1] + h * (misfits[1] * misfits[1]),
+                sums.squares[2] + h * (misfits[2] * misfits[2]),
+            ),
+            wave=wave,
+            lag=lag,
+            force_error_square=sums.force_error_square
+            + h * (leg_force * leg_force + wave_force * wave_force + within_force * within_force),
+            drift=drift,
+            max_drift=maximum(sums.max_drift, abs(drift)),
         ),
-        wave=wave,
-        lag=lag,
-        force_error_square=state.force_error_square
-        + h * (leg_force * leg_force + wave_force * wave_force + within_force * within_force),
-        drift=drift,
-        max_drift=maximum(state.max_drift, abs(drift)),
     )
     return result
 
@@ -163,11 +169,13 @@ def add_misfit_error(
     error: Scalar, sums: ErrorSums, left: InputFilter, right: InputFilter
 ) -> Scalar:
     """Add the error by inconsistent motions to ``error`` of the end forces, root mean square over the largest."""
-    squares = maximum(left.force_error_square, right.force_error_square) / maximum(sums.time, TINY)
+    squares = maximum(left.misfits.force_error_square, right.misfits.force_error_square) / maximum(
+        sums.time, TINY
+    )
     return sqrt(error * error + squares / maximum(sums.force * sums.force, TINY))
 
 
 def add_drift_error(error: Scalar, left: InputFilter, right: InputFilter) -> Scalar:
     """Add the drift of the ends to ``error`` (m) of the loop's position."""
-    drift = 0.5 * (left.max_drift + right.max_drift)
+    drift = 0.5 * (left.misfits.max_drift + right.misfits.max_drift)
     return sqrt(error * error + drift * drift)

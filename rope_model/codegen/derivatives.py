@@ -4,11 +4,24 @@ from typing import Any
 
 import casadi as ca
 
-from rope_model.boundary.input_filter import filter_path, filter_sample
+from rope_model.boundary.end_paths import EndMotion, EndPath
+from rope_model.boundary.input_filter import (
+    FilterSettings,
+    InputFilter,
+    filter_path,
+    filter_sample,
+)
+from rope_model.physics.elementary import Scalar, Vector
 
 
 def path_change(
-    path: Any, state: Any, settings: Any, given_at: Any, stop: Any, end: Any, change: Any
+    path: EndPath,
+    state: InputFilter,
+    settings: FilterSettings,
+    given_at: Scalar,
+    stop: Scalar,
+    end: EndMotion,
+    change: Vector,
 ) -> tuple[tuple[Any, ...], ...]:
     """Return the derivatives of the coefficients of an end's next path, by PATH and LEANS.
 

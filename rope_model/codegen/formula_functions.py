@@ -5,16 +5,14 @@ switched off meanwhile:  the C does the same operations in the same order as Pyt
 same bits where libm does.
 """
 
-import re
-from collections.abc import Callable
-from functools import cache
 from itertools import product
-from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints
 
 import casadi as ca
 
 from rope_model.codegen.expressions import statements
-from rope_model.codegen.formulas import CONSTANTS, DEFINED_HERE, DERIVATIVES, FORMULAS, STRUCTURES
+from rope_model.codegen.formulas import CONSTANTS, DEFINED_HERE, DERIVATIVES, FORMULAS
+from rope_model.codegen.signatures import Argument, Formula
 from rope_model.parameters import Layout, Rope
 from rope_model.physics.expressions import no_simplification
 from rope_model.shaft_parameters import PARTS, Shaft
@@ -49,28 +47,10 @@ static inline double sign_of(double x) {
 """
 
 
-class Argument(NamedTuple):
-    """Parameter of a prototype: constant or not, type, name and lengths, () for a number."""
-
-    constant: bool
-    kind: str
-    name: str
-    shape: tuple[int, ...]
-
-
-@cache
-def formulas() -> dict[str, Callable[..., Any]]:
-    """Return the formulas that Python evaluates too, by their prototypes in C."""
-    return {_prototype(written): formula for written, formula in FORMULAS.items()}
-
-
 def formulas_code() -> str:
     """Return the text of formulas.h."""
     structures = map(_definition, DEFINED_HERE)
-    written = formulas() | {
-        _prototype(text): derivative for text, derivative in DERIVATIVES.items()
-    }
-    functions = (function_code(prototype, formula) for prototype, formula in written.items())
+    functions = map(function_code, (*FORMULAS, *DERIVATIVES))
     constants = "".join(f"#define {name} {_value(value)}\n" for name, value in CONSTANTS.items())
     return "\n".join((_HEAD, constants, *structures, *functions, "#endif\n"))
 
@@ -96,72 +76,37 @@ def shape_of(hint: Any) -> tuple[int, ...]:
     return (len(parts), *shape_of(parts[0])) if parts else ()
 
 
-def function_code(prototype: str, formula: Callable[..., Any]) -> str:
+def function_code(formula: Formula) -> str:
     """Return the C function of a formula."""
-    match = re.fullmatch(r"(\w+) \w+\((.*)\)", prototype)
-    assert match, prototype
-    result = match[1]
-    arguments = [argument_of(text) for text in match[2].split(", ")]
-    parameters = arguments[:-1] if result == "void" else arguments
+    result = formula.result
+    returned = formula.returned
     with no_simplification():
-        symbols = [symbols_of(argument) for argument in parameters]
-        inputs = [
-            x for s in symbols for x in _numbers(s)
-        ]  # before the formula stores results in the objects
-        lines, texts = statements(ca.Function("formula", inputs, _numbers(formula(*symbols))))
-    if result == "void":
-        taker = arguments[-1]
-        indices = product(*map(range, taker.shape))
+        symbols = [symbols_of(argument) for argument in formula.arguments]
+        # before the formula stores results in the objects
+        inputs = [number for symbol in symbols for number in _numbers(symbol)]
+        numbers = _numbers(formula.function(*symbols))
+        lines, texts = statements(ca.Function("formula", inputs, numbers))
+    if result is not None:
         lines += [
-            f"{taker.name}{''.join(f'[{k}]' for k in at)} = {x};"
-            for at, x in zip(indices, texts, strict=True)
+            f"{result.name}{''.join(f'[{k}]' for k in index)} = {text};"
+            for index, text in zip(product(*map(range, result.shape)), texts, strict=True)
         ]
-    elif result == "double":
+    elif returned is None:
         lines += [f"return {texts[0]};"]
     else:
         lines += [
-            f"const {result} result = {_initializer(STRUCTURES[result], texts)};",
+            f"const {formula.return_type} result = {_initializer(returned, texts)};",
             "return result;",
         ]
     body = "".join(f"    {line}\n" for line in lines)
-    return f"/* {formula.__module__}.{formula.__qualname__} */\nstatic inline {prototype} {{\n{body}}}\n"
-
-
-def _prototype(written: str) -> str:
-    """Return the prototype in C of a function as written in ``FORMULAS``."""
-    match = re.fullmatch(r"(?:(\w+) )?(\w+)\((.*)\)", written)
-    assert match, written
-    result = match[1] or "double"
-    arguments = [_declared(text) for text in match[3].split(", ")]
-    if result == "void":
-        arguments[-1] = arguments[-1].removeprefix("const ")
-    return f"{result} {match[2]}({', '.join(arguments)})"
-
-
-def _declared(written: str) -> str:
-    """Return the declaration of an argument."""
-    kind, _, name = written.rpartition(" ")
-    kind = kind or {re.sub(r"\B([A-Z])", r"_\1", kind).lower(): kind for kind in STRUCTURES}.get(
-        name, "double"
-    )
-    if kind != "double":
-        return f"const {kind} *{name}"
-    return f"const double {name}" if "[" in name else f"double {name}"
-
-
-def argument_of(text: str) -> Argument:
-    """Return the argument that a prototype declares by ``text``."""
-    match = re.fullmatch(r"(const )?(\w+) \*?(\w+)((?:\[\d+\])*)", text)
-    assert match, text
-    return Argument(
-        bool(match[1]), match[2], match[3], tuple(int(n) for n in re.findall(r"\d+", match[4]))
-    )
+    source = f"{formula.function.__module__}.{formula.function.__qualname__}"
+    return f"/* {source} */\nstatic inline {formula.prototype()} {{\n{body}}}\n"
 
 
 def symbols_of(argument: Argument) -> Any:
     """Return an argument of the formula: symbols with the names of its numbers in C."""
-    if argument.kind != "double":
-        return structure_at(STRUCTURES[argument.kind], f"{argument.name}->")
+    if argument.structure is not None:
+        return structure_at(argument.structure, f"{argument.name}->")
     return _array(argument.name, argument.shape)
 
 
@@ -179,7 +124,14 @@ def structure_at(kind: type[Any], prefix: str) -> Any:
             values[name] = ca.SX.sym(prefix + name)
         elif get_origin(hint) is tuple:
             values[name] = _array(prefix + name, shape_of(hint))
-        elif hint in (Rope, Layout, Accuracy, Inputs, Shaft, *PARTS.values()):
+        elif hasattr(hint, "_fields") or hint in (
+            Rope,
+            Layout,
+            Accuracy,
+            Inputs,
+            Shaft,
+            *PARTS.values(),
+        ):
             values[name] = structure_at(hint, f"{prefix}{name}.")
     if issubclass(kind, tuple):
         return kind(**values)
@@ -203,9 +155,16 @@ def _initializer(kind: type[Any], texts: list[str]) -> str:
     """Return the members of ``kind`` in braces."""
     rest = iter(texts)
 
-    def member(shape: tuple[int, ...]) -> str:
+    def array_of(shape: tuple[int, ...]) -> str:
         if shape:
-            return f"{{{', '.join(member(shape[1:]) for _ in range(shape[0]))}}}"
+            return f"{{{', '.join(array_of(shape[1:]) for _ in range(shape[0]))}}}"
         return next(rest)
 
-    return f"{{{', '.join(member(shape_of(hint)) for hint in get_type_hints(kind).values())}}}"
+    def structure(kind: type[Any]) -> str:
+        members = [
+            structure(hint) if hasattr(hint, "_fields") else array_of(shape_of(hint))
+            for hint in get_type_hints(kind).values()
+        ]
+        return f"{{{', '.join(members)}}}"
+
+    return structure(kind)

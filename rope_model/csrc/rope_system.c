@@ -38,6 +38,7 @@ System rope_system(const Simulator *sim, State *state) {
                   .latest = sim->latest,
                   .shortest = x.lengths[0]};
     element_parameters(data, sim->scene.layout.gravity, sys.P);
+    sys.air_acts = air_acts(&sim->scene.shaft.air, data->diameter);
     air_coefficients(&sim->scene.shaft.air, data->diameter, sim->scene.layout.spacing, sys.air);
     for (int k = 1; k < x.elements; k++) sys.shortest = fmin(sys.shortest, x.lengths[k]);
     for (int side = LEFT; side <= RIGHT; side++) {
@@ -121,7 +122,8 @@ void external_sums(const System *sys, const double *q, const double *v, double s
     point_forces_push(sys, q, v, sums);
     if (sys->obstacles == NULL) return;
     find_near_bodies(sys, q, v, 0);
-    for (int e = 0; sys->obstacles->any && e < sys->elements; e++)
+    if (!sys->obstacles->any) return;
+    for (int e = 0; e < sys->elements; e++)
         if (sys->obstacles->near[e]) contact_sums(sys, e, q, v, sums);
 }
 

@@ -23,11 +23,13 @@ typedef struct {
     const double *curved; /* CURVATURE_SIZE numbers an element; NULL without permanent curvature */
     double time;          /* time at which point forces are evaluated, s */
     double *latest;       /* WIRE_TANGENT_SIZE numbers an element, of the latest tangent; scratch, aligned as frames */
-    double P[PARAMETERS], air[AIR_COEFFICIENTS]; /* air: AirCoefficients, whose first number is 0 without air */
-    double load[2], friction_load[2];            /* moments on theta of the ends; friction per newton of tension */
-    bool plumb[2];                               /* ends whose tension is their vertical reaction */
-    double inertia[2], shortest;                 /* inertia: of theta at the ends; shortest: element, m */
-    int corrections; /* Newton corrections of a step that is taken again; 0: until it converges */
+    double P[PARAMETERS]; /* parameters of the element functions */
+    bool air_acts;        /* else `air` is not read */
+    double air[AIR_COEFFICIENTS];     /* numbers of AirCoefficients, in their order */
+    double load[2], friction_load[2]; /* moments on theta of the ends; friction per newton of tension */
+    bool plumb[2];                    /* ends whose tension is their vertical reaction */
+    double inertia[2], shortest;      /* inertia: of theta at the ends; shortest: element, m */
+    int corrections;                  /* Newton corrections of a step that is taken again; 0: until it converges */
 } System;
 
 /* Return the tension at an end, which is plumb or not, from its rows of q and of the reaction. */

@@ -61,21 +61,26 @@ void begin_audit(const Simulator *sim, State *state) {
     state->audit.interval = 0;
 }
 
-/* Audit a step; `before` has the vertical reactions of the ends at its start. */
+/* Return the vertical reaction at an end, N. */
+static double vertical_reaction(const NodalArrays *nodal, int side) {
+    return end_row(nodal->reaction, nodal->nodes, side)[1];
+}
+
+/* Audit a step of length h; `before` has the vertical reactions of the ends at its start. */
 static void audit_step(const Simulator *sim, State *state, const System *sys, double h, double time_shift,
                        const double before[2]) {
     const NodalArrays nodal = state_arrays(state);
-    const Coefficients method = {sim->scene.solver.rho_inf};
-    double load[AUDIT_LOADS], force = 0, change = 0;
-    load_on(&sim->scene, chain_of(sim, state), state, sys, load);
+    const Scene *scene = &sim->scene;
+    const Coefficients method = {scene->solver.rho_inf};
+    AuditedStep step = {.h = h, .recentring = time_shift};
+    load_on(scene, chain_of(sim, state), state, sys, step.load);
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double now = end_row(nodal.reaction, nodal.nodes, side)[1];
-        force = fmax(force, fabs(now));
-        change = fmax(change, fabs(now - before[side]));
+        const double now = vertical_reaction(&nodal, side);
+        step.force = fmax(step.force, fabs(now));
+        step.force_change = fmax(step.force_change, fabs(now - before[side]));
     }
-    state->audit =
-        audit_after_step(&state->audit, &method, h, time_shift, load, force, change,
-                         axial_share(&sim->scene.rope, bottom_arc_length(&sim->scene, state->paths, state->t), h));
+    step.axial_share = axial_share(&scene->rope, bottom_arc_length(scene, state->paths, state->t), h);
+    state->audit = audit_after_step(&state->audit, &method, &step);
 }
 
 /* Return the largest square of the change of r' over an element. */
@@ -90,16 +95,18 @@ static double largest_bend(const NodalArrays *nodal) {
 }
 
 void audit_interval(const Simulator *sim, State *state, double h, double residual_before) {
+    if (state->fidelity == RIGID) return;
+    const Rope *rope = &sim->scene.rope;
     const NodalArrays nodal = state_arrays(state);
     const double *left = nodal.q, *right = end_row(nodal.q, nodal.nodes, RIGHT);
-    double sums[MOMENTUM], about[3];
-    if (state->fidelity == RIGID) return;
     const System sys = rope_system(sim, state);
-    chain_of(sim, state)->momentum(&sys, nodal.q, nodal.v, sums);
-    for (int k = 0; k < 3; k++) about[k] = 0.5 * (left[k] + right[k]);
-    state->audit = audit_after_interval(
-        &state->audit, h, sim->scene.rope.mass_per_length * sim->scene.rope.length, sim->scene.layout.gravity, sums,
-        about, energy_residual(&state->energy_balance) - residual_before, largest_bend(&nodal));
+    AuditedInterval interval = {.h = h};
+    chain_of(sim, state)->momentum(&sys, nodal.q, nodal.v, interval.sums);
+    for (int k = 0; k < 3; k++) interval.middle[k] = 0.5 * (left[k] + right[k]);
+    interval.residual = energy_residual(&state->energy_balance) - residual_before;
+    interval.bend = largest_bend(&nodal);
+    state->audit =
+        audit_after_interval(&state->audit, &interval, rope->mass_per_length * rope->length, sim->scene.layout.gravity);
 }
 
 /* Return the local error of a trial step divided by its tolerance. */
@@ -191,45 +198,86 @@ double largest_end_force(const NodalArrays *nodal) {
     return force;
 }
 
-void commit_trial(Simulator *sim, State *state, const StepResult *trial) {
-    const NodalArrays nodal = state_arrays(state), *now = &sim->trial;
-    System sys = rope_system(sim, state);
-    const size_t size = (size_t)nodal.nodes * DOF;
-    const double h = trial->t - state->t, before[2] = {state->power_ends, state->power_swivel};
-    const double forces[2] = {nodal.reaction[1], end_row(nodal.reaction, nodal.nodes, RIGHT)[1]};
-    const Coefficients method = {sim->scene.solver.rho_inf};
-    const double time_shift = recentring(&method, trial->h, state->h);
-    EnergyBalance *energy = &state->energy_balance;
-    const double bottom_s = bottom_arc_length(&sim->scene, state->paths, state->t), speed = relative_end_speed(&nodal);
-    double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], paces[2];
+static Powers powers_of(const State *state) {
+    return (Powers){.ends = state->power_ends, .swivel = state->power_swivel};
+}
+
+/* Write the mean accelerations of the end strains over a step h from v to the trial's. */
+static void strain_accelerations(const Scene *scene, const NodalArrays *trial, const double *v, double h,
+                                 double strain_tt[2]) {
     for (int side = LEFT; side <= RIGHT; side++)
-        paces[side] = (end_strain(&sim->scene, now->nodes, now->q, now->v, side) -
-                       end_strain(&sim->scene, now->nodes, now->q, nodal.v, side)) /
-                      h;
-    /* Losses follow from the differences over the step: rates at its ends have the integrator's own oscillation, whose
-       square does not average out.  Put the middle of the step into q, and the mean rate into v. */
+        strain_tt[side] = (end_strain(scene, trial->nodes, trial->q, trial->v, side) -
+                           end_strain(scene, trial->nodes, trial->q, v, side)) /
+                          h;
+}
+
+/* Put the middle of the step into q, and the mean rate into v.  Losses follow from these: the rates at the ends of a
+   step have the integrator's own oscillation, whose square does not average out. */
+static void move_to_middle(const NodalArrays *nodal, const NodalArrays *trial, double h) {
+    const size_t size = (size_t)nodal->nodes * DOF;
     for (size_t i = 0; i < size; i++) {
-        const double q = nodal.q[i];
-        nodal.q[i] = 0.5 * (q + now->q[i]);
-        nodal.v[i] = (now->q[i] - q) / h;
+        const double q = nodal->q[i];
+        nodal->q[i] = 0.5 * (q + trial->q[i]);
+        nodal->v[i] = (trial->q[i] - q) / h;
     }
-    sys.time = state->t + 0.5 * h;
-    chain_of(sim, state)->losses(&sys, nodal.q, nodal.v, losses);
-    external_sums(&sys, nodal.q, nodal.v, contact);
-    state->contact = add_contact(&sim->scene, &state->contact, h, contact + CONTACT_FORCES, longest_near(&sys));
-    chain_of(sim, state)->air(&sys, nodal.q, nodal.v, air);
-    const double dissipated = update_hysteresis(sim->wires, state, now->q);
-    update_angles(sim, state, now->q, now->v, now->a, now->b);
-    copy_fields(&nodal, now);
-    state->t = sys.time = trial->t;
+}
+
+/* Return the losses of a step h whose middle is in the state; those between wires are left out.  Add the contact to
+   the sums of its error. */
+static StepLosses losses_in_middle(const Scene *scene, const Chain *chain, const System *sys, State *state, double h) {
+    const NodalArrays middle = state_arrays(state);
+    double material[2], contact[CONTACT_BALANCE], air[AIR_BALANCE];
+    chain->losses(sys, middle.q, middle.v, material);
+    external_sums(sys, middle.q, middle.v, contact);
+    state->contact = add_contact(scene, &state->contact, h, contact + CONTACT_FORCES, longest_near(sys));
+    chain->air(sys, middle.q, middle.v, air);
+    return (StepLosses){.damping = material[0],
+                        .nonconservative = material[1],
+                        .contact = contact[CONTACT_DISSIPATED],
+                        .moving_bodies = contact[CONTACT_MOVED],
+                        .air = air[0]};
+}
+
+/* Take the motion of the trial, with its frames. */
+static void take_motion(Simulator *sim, State *state, const StepResult *trial) {
+    const NodalArrays nodal = state_arrays(state), *moved = &sim->trial;
+    update_angles(sim, state, moved->q, moved->v, moved->a, moved->b);
+    copy_fields(&nodal, moved);
+    state->t = trial->t;
     state->h = trial->h;
-    state->errors = add_errors(&sim->scene, &state->errors, bottom_s, speed, h, local_error(&method, 1, 1), paces,
-                               trial->error, largest_end_force(&nodal));
-    rope_powers(&sim->scene, state);
+}
+
+void commit_trial(Simulator *sim, State *state, const StepResult *trial) {
+    const Scene *scene = &sim->scene;
+    const Coefficients method = {scene->solver.rho_inf};
+    const NodalArrays nodal = state_arrays(state);
+    System sys = rope_system(sim, state);
+
+    /* the start of the step */
+    const double h = trial->t - state->t, time_shift = recentring(&method, trial->h, state->h);
+    const double reactions[2] = {vertical_reaction(&nodal, LEFT), vertical_reaction(&nodal, RIGHT)};
+    const Powers powers_before = powers_of(state);
+    MeasuredStep step = {.h = h,
+                         .bottom_s = bottom_arc_length(scene, state->paths, state->t),
+                         .end_speed = relative_end_speed(&nodal),
+                         .position = trial->error};
+    strain_accelerations(scene, &sim->trial, nodal.v, h, step.strain_tt);
+
+    /* its middle */
+    move_to_middle(&nodal, &sim->trial, h);
+    sys.time = state->t + 0.5 * h;
+    StepLosses losses = losses_in_middle(scene, chain_of(sim, state), &sys, state, h);
+    losses.wires = update_hysteresis(sim->wires, state, sim->trial.q);
+
+    /* its end */
+    take_motion(sim, state, trial);
+    sys.time = state->t;
+    step.force = largest_end_force(&nodal);
+    state->errors = add_errors(scene, &state->errors, &step, local_error(&method, 1, 1));
+    rope_powers(scene, state);
+    const Powers powers_after = powers_of(state);
     if (!trial->near) sys.obstacles = NULL;
-    set_energies(energy, trial->balance, &sys, nodal.q, nodal.v);
-    const double taken[] = {losses[0], losses[1], contact[CONTACT_DISSIPATED], contact[CONTACT_MOVED]};
-    const double now_powers[] = {state->power_ends, state->power_swivel};
-    *energy = account_of_step(energy, h, before, now_powers, taken, dissipated, air[0]);
-    audit_step(sim, state, &sys, h, time_shift, forces);
+    set_energies(&state->energy_balance, trial->balance, &sys, nodal.q, nodal.v);
+    state->energy_balance = account_of_step(&state->energy_balance, h, &powers_before, &powers_after, &losses);
+    audit_step(sim, state, &sys, h, time_shift, reactions);
 }

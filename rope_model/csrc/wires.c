@@ -46,7 +46,8 @@ double update_hysteresis(const double *wires, State *state, const double *q) {
     static const double weights[] = WIRE_WEIGHTS;
     const NodalArrays nodal = state_arrays(state);
     double dissipated = 0;
-    for (int e = 0; state->rubs && e < nodal.elements; e++) {
+    if (!state->rubs) return 0;
+    for (int e = 0; e < nodal.elements; e++) {
         const double *before = wires + (ptrdiff_t)e * WIRE_HISTORY_SIZE,
                      *law = before + WIRE_POINTS * WIRE_POINT_STATE_SIZE;
         double now[WIRE_POINT_STATE_SIZE];
@@ -64,8 +65,9 @@ double update_hysteresis(const double *wires, State *state, const double *q) {
 static void mean_between(const double *z, const double *s, int elements, double from, double to, double mean[3]) {
     const double close = 1e-9 * s[elements];
     memset(mean, 0, 3 * sizeof *mean);
-    for (int e = 0; e < elements && s[e] < to; e++)
-        for (int k = 0; s[e + 1] > from && k < WIRE_POINTS; k++) {
+    for (int e = 0; e < elements && s[e] < to; e++) {
+        if (!(s[e + 1] > from)) continue;
+        for (int k = 0; k < WIRE_POINTS; k++) {
             const double l = s[e + 1] - s[e], begin = s[e] + l * CELLS[k], end = s[e] + l * CELLS[k + 1];
             const double *point_z = z + (ptrdiff_t)e * WIRE_Z + 3 * k;
             const double fraction = (fmin(end, to) - fmax(begin, from)) / (to - from);
@@ -73,8 +75,10 @@ static void mean_between(const double *z, const double *s, int elements, double 
                 memcpy(mean, point_z, 3 * sizeof *mean);
                 return;
             }
-            for (int i = 0; fraction > 0 && i < 3; i++) mean[i] += fraction * point_z[i];
+            if (!(fraction > 0)) continue;
+            for (int i = 0; i < 3; i++) mean[i] += fraction * point_z[i];
         }
+    }
 }
 
 void wires_carry(State *state, const double *old_s, double *before) {

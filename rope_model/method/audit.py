@@ -77,6 +77,27 @@ class Audit(NamedTuple):
     interval: float = 0.0
 
 
+class AuditedStep(NamedTuple):
+    """Time step, as the audit sees it."""
+
+    h: float  # s
+    recentring: float  # s, time by which b is moved before the step
+    load: Load  # at its end
+    force: float  # N, largest vertical end force
+    force_change: float  # N, largest change of one
+    axial_share: float  # h over the longer leg's axial period
+
+
+class AuditedInterval(NamedTuple):
+    """Communication step, as the audit sees it."""
+
+    h: float  # s
+    sums: Sums  # at its end
+    middle: tuple[float, float, float]  # m, point midway between the ends
+    residual: float  # J, change of the energy balance's residual
+    bend: float  # largest squared change of r' over an element
+
+
 def end_load(q: Vector, f: Vector, torque: Scalar) -> tuple[Scalar, ...]:
     """Return force and moment about the origin (6,) on an end, from its coordinates and reaction (7,)."""
     x, y, z = cross(q, f)
@@ -115,54 +136,38 @@ def signal_values(audit: Audit) -> tuple[Scalar, ...]:
     )
 
 
-def after_step(
-    audit: Audit,
-    method: Coefficients,
-    h: Scalar,
-    recentring: Scalar,
-    load: Vector,
-    force: Scalar,
-    change: Scalar,
-    ratio: Scalar,
-) -> Audit:
-    """Return ``audit`` after a time step to ``load``, with the largest end force and ``change`` of one (N)."""
+def after_step(audit: Audit, method: Coefficients, step: AuditedStep) -> Audit:
+    """Return ``audit`` after a time step."""
+    h = step.h
+    load = step.load
     load_weight, auxiliary_weight, _, next_weight = auxiliary_weights(method, 0.0)
     gamma = method.gamma
     impulse: list[Any] = []
     auxiliary: list[Any] = []
     rate: list[Any] = []
     for k in range(LOADS):
-        before = audit.auxiliary[k] + recentring * audit.rate[k]
+        before = audit.auxiliary[k] + step.recentring * audit.rate[k]
         after = load_weight * audit.load[k] + auxiliary_weight * before + next_weight * load[k]
         impulse.append(audit.impulse[k] + h * ((1.0 - gamma) * before + gamma * after))
         auxiliary.append(after)
         rate.append((load[k] - audit.load[k]) / h)
-    new_load: Any = tuple(load[k] for k in range(LOADS))
     following: Audit = audit._replace(
-        load=new_load,
+        load=load,
         auxiliary=tuple(auxiliary),
         rate=tuple(rate),
         impulse=tuple(impulse),
-        force=maximum(audit.force, force),
-        force_change=maximum(audit.force_change, change),
-        period_fraction=maximum(audit.period_fraction, ratio),
+        force=maximum(audit.force, step.force),
+        force_change=maximum(audit.force_change, step.force_change),
+        period_fraction=maximum(audit.period_fraction, step.axial_share),
     )
     return following
 
 
-def after_interval(
-    audit: Audit,
-    h: Scalar,
-    mass: Scalar,
-    gravity: Scalar,
-    sums: Vector,
-    about: Vector,
-    residual: Scalar,
-    bend: Scalar,
-) -> Audit:
-    """Return ``audit`` after a communication step ``h`` to ``sums``; ``residual`` (J) is new in the balance."""
+def after_interval(audit: Audit, interval: AuditedInterval, mass: Scalar, gravity: Scalar) -> Audit:
+    """Return ``audit`` of a rope of this ``mass`` (kg) after a communication step."""
     before = audit.sums
-    h = audit.interval + h
+    sums = interval.sums
+    h = audit.interval + interval.h
     judged = h >= MIN_INTERVAL
     # the first moment is a cubic with p as its rate at both ends
     x, z = (
@@ -171,7 +176,9 @@ def after_interval(
     )
     weight = (0.0, -mass * gravity * h, 0.0, gravity * z, 0.0, -gravity * x)
     missing = [(sums[k] - before[k] - audit.impulse[k] - weight[k]) / h for k in range(6)]
-    moment = [m - shift for m, shift in zip(missing[3:], cross(about, missing), strict=True)]
+    moment = [
+        m - shift for m, shift in zip(missing[3:], cross(interval.middle, missing), strict=True)
+    ]
     missing_force = maximum(audit.missing_force, sqrt(dot(missing, missing)))
     missing_moment = maximum(audit.missing_moment, sqrt(dot(moment, moment)))
     following: Audit = audit._replace(
@@ -180,7 +187,7 @@ def after_interval(
         interval=where(judged, 0.0, h),
         missing_force=where(judged, missing_force, audit.missing_force),
         missing_moment=where(judged, missing_moment, audit.missing_moment),
-        energy=maximum(audit.energy, abs(residual)),
-        bend=maximum(audit.bend, bend),
+        energy=maximum(audit.energy, abs(interval.residual)),
+        bend=maximum(audit.bend, interval.bend),
     )
     return following

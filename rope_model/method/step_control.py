@@ -114,6 +114,15 @@ def growth_delay(h: Scalar, step_next: Scalar) -> Scalar:
     return minimum(GROWTH_DELAY_STEPS * step_next, GROWTH_DELAY) - 0.5 * h
 
 
+class AcceptedStep(NamedTuple):
+    """Accepted step, as the choice of the next one sees it."""
+
+    h: float  # s
+    t: float  # s, its end
+    error: float  # over the allowed one
+    rejected: float  # not 0 if longer steps failed
+
+
 class NextStep(NamedTuple):
     """Length (s) of the next step, instant (s) since which errors are small, and 1 if accuracy was given up."""
 
@@ -123,20 +132,14 @@ class NextStep(NamedTuple):
 
 
 def next_step(
-    solver: Solver,
-    h: Scalar,
-    step_next: Scalar,
-    error: Scalar,
-    rejected: Scalar,
-    t: Scalar,
-    calm_since: Scalar,
+    solver: Solver, accepted: AcceptedStep, step_next: Scalar, calm_since: Scalar
 ) -> NextStep:
-    """Choose the step after one of length ``h`` to ``t`` with ``error`` over the allowed one.
+    """Choose the step after the one ``accepted``; ``step_next`` (s) was the choice before it.
 
     An error above the tolerance halves the next step; small errors for the time growth_delay double
     it.  A larger error than ACCEPT_BELOW is accepted only when the Newton budget is used up.
-    ``rejected``: true if longer steps failed.
     """
+    h, t, error, rejected = accepted
     calm_since = where(logical_or(rejected, error > GROW_BELOW * solver.tolerance), t, calm_since)
     given_up = error > ACCEPT_BELOW * solver.tolerance
     keeps = logical_or(given_up, error <= solver.tolerance)

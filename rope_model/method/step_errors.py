@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from rope_model.method.mesh_error import mesh_error
 from rope_model.parameters import Rope, Scene
-from rope_model.physics.elementary import TINY, Scalar, Vector, cos, maximum, sin, sqrt
+from rope_model.physics.elementary import TINY, Scalar, cos, maximum, sin, sqrt
 from rope_model.physics.estimates import axial_frequency, bending_length
 
 #: total phase error of a wave over that by the strain alone: its rate is not measured
@@ -43,6 +43,21 @@ class ErrorSums(NamedTuple):
     strain_tt: tuple[float, float] = (0.0, 0.0)  # 1/s^2
 
 
+class MeasuredStep(NamedTuple):
+    """Accepted step, as the error sums see it.
+
+    ``strain_tt`` are means over the step, from the strain rates at its ends: the accelerations at
+    its end contain what stiff waves leave there.
+    """
+
+    h: float  # s
+    bottom_s: float  # m, arc length of the loop's lowest point
+    end_speed: float  # m/s, vertical speed of one end against the other
+    strain_tt: tuple[float, float]  # 1/s^2, mean accelerations of the end strains
+    position: float  # m, local error of the positions
+    force: float  # N, largest end force
+
+
 def wave_duration(rope: Rope, omega: Scalar) -> Scalar:
     """Return the duration (s) of a wave of frequency ``omega`` (rad/s)."""
     return 2.0 / maximum(
@@ -58,26 +73,18 @@ def flow_error(scene: Scene, end_speed: Scalar, h: Scalar) -> Scalar:
 
 
 def add_errors(
-    scene: Scene,
-    sums: ErrorSums,
-    s: Scalar,
-    end_speed: Scalar,
-    h: Scalar,
-    constant: Scalar,
-    strain_tt: Vector,
-    position: Scalar,
-    force: Scalar,
+    scene: Scene, sums: ErrorSums, step: MeasuredStep, error_constant: Scalar
 ) -> ErrorSums:
-    """Return ``sums`` after a step ``h`` with a ``position`` error (m) and end forces of up to ``force`` (N).
+    """Return ``sums`` after a step.
 
-    ``strain_tt`` (2,) are means over the step, from the strain rates at its ends: the accelerations
-    at its end contain what stiff waves leave there.  The local error is ``constant`` h^2 per change
-    of them, but for a stiff wave, which follows the forces, at most the change over omega^2.
+    The local error is ``error_constant`` h^2 per change of the strains' mean accelerations, but for
+    a stiff wave, which follows the forces, at most the change over omega^2.
     """
     rope = scene.rope
+    h = step.h
     waves = []
     squares = []
-    for side, leg in enumerate((s, rope.length - s)):
+    for side, leg in enumerate((step.bottom_s, rope.length - step.bottom_s)):
         omega = axial_frequency(rope, leg)
         duration = wave_duration(rope, omega)
         decay = duration / (duration + h)
@@ -87,21 +94,21 @@ def add_errors(
         present = sums.waves[2 * side]
         later = sums.waves[2 * side + 1]
         local = (
-            constant
+            error_constant
             * (h * h)
-            / (1.0 + constant * (phase * phase))
-            * (strain_tt[side] - sums.strain_tt[side])
+            / (1.0 + error_constant * (phase * phase))
+            * (step.strain_tt[side] - sums.strain_tt[side])
         )
         waves += [cosine * present + sine * later + local, cosine * later - sine * present]
         squares.append(sums.squares[side] + h * (waves[-2] * waves[-2]))
-    largest = maximum(sums.position, position), maximum(sums.flow, flow_error(scene, end_speed, h))
-    wave_sums = (waves[0], waves[1], waves[2], waves[3]), (squares[0], squares[1])
     return ErrorSums(
-        sums.time + h,
-        *largest,
-        maximum(sums.force, force),
-        *wave_sums,
-        (strain_tt[0], strain_tt[1]),
+        time=sums.time + h,
+        position=maximum(sums.position, step.position),
+        flow=maximum(sums.flow, flow_error(scene, step.end_speed, h)),
+        force=maximum(sums.force, step.force),
+        waves=(waves[0], waves[1], waves[2], waves[3]),
+        squares=(squares[0], squares[1]),
+        strain_tt=step.strain_tt,
     )
 
 

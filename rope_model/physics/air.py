@@ -37,7 +37,7 @@ on numbers and CasADi expressions; vectors have their components first.
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from rope_model.physics.elementary import Scalar, Vector, dot, sqrt
+from rope_model.physics.elementary import Scalar, Vector, dot, logical_or, sqrt, where
 from rope_model.shaft_parameters import Air
 
 #: m/s, speed below which |w_n| is rounded off
@@ -66,11 +66,22 @@ class Passing(NamedTuple):
 
 
 def air_coefficients(air: Air, diameter: Scalar, spacing: Scalar) -> AirCoefficients:
-    """Return those of a rope of this diameter between suspensions ``spacing`` (m) apart; factor 0 without air."""
+    """Return those of a rope of this diameter between suspensions ``spacing`` (m) apart."""
     velocity = air.vx, air.vy, air.vz
-    factor = 0.5 * air.density * air.drag * diameter
+    factor = drag_factor(air, diameter)
     cross = (air.cross_y, air.cross_height)
     return AirCoefficients(factor, velocity, air.buffet, air.buffet_length, spacing, *cross)
+
+
+def air_acts(air: Air, diameter: Scalar) -> Scalar:
+    """Return whether a law of this module acts, else no element is computed in air.  Each law has its condition."""
+    drag_acts = drag_factor(air, diameter) > 0
+    return where(logical_or(drag_acts), 1.0, 0.0)
+
+
+def drag_factor(air: Air, diameter: Scalar) -> Scalar:
+    """Return the drag per length over the squared speed (kg/m2)."""
+    return 0.5 * air.density * air.drag * diameter
 
 
 def flow(

@@ -35,6 +35,24 @@ class EnergyBalance(NamedTuple):
         return float(residual(self))
 
 
+class Powers(NamedTuple):
+    """Powers at one instant (W), integrated by the trapezoidal rule."""
+
+    ends: float  # of the ends on the rope
+    swivel: float  # dissipated in the swivels
+
+
+class StepLosses(NamedTuple):
+    """Losses in a step: mean powers (W), and the energy (J) dissipated between wires."""
+
+    damping: float  # of the material
+    nonconservative: float  # of the part of the coupling that has no energy
+    contact: float
+    moving_bodies: float  # power of moving bodies on the rope
+    air: float  # power given to the air
+    wires: float  # J
+
+
 def energies(balance: Vector) -> tuple[Scalar, Scalar, Scalar]:
     """Return kinetic energy, strain energy and gravity's from the entries of an element's balance (element.BALANCE)."""
     axial, coupling, torsion, bending, kinetic, spin, gravity = (balance[k] for k in range(7))
@@ -51,32 +69,20 @@ def with_energies(energy_balance: EnergyBalance, balance: Vector, contact: Scala
 
 
 def after_step(
-    energy_balance: EnergyBalance,
-    h: Scalar,
-    before: Vector,
-    after: Vector,
-    losses: Vector,
-    wires: Scalar,
-    air: Scalar,
+    energy_balance: EnergyBalance, h: Scalar, before: Powers, after: Powers, losses: StepLosses
 ) -> EnergyBalance:
-    """Return the balance after a step ``h``.
-
-    ``before`` and ``after`` are the powers of the ends and of the swivels at its start and its end
-    (W). ``losses`` are the powers of material damping, of the coupling without energy, of contact,
-    and of moving bodies (W).  ``wires`` is the energy dissipated between wires (J), ``air`` the
-    power given to the air (W).
-    """
-    damping, nonconservative, contact, moved = losses
+    """Return the balance after a step ``h`` with the powers ``before`` and ``after`` it."""
     half = 0.5 * h
     account = energy_balance
     changed: EnergyBalance = account._replace(
-        work_ends=account.work_ends + (half * (before[0] + after[0]) + h * moved),
-        dissipated_swivel=account.dissipated_swivel + half * (before[1] + after[1]),
-        dissipated_material=account.dissipated_material + h * damping,
-        dissipated_contact=account.dissipated_contact + h * contact,
-        dissipated_wires=account.dissipated_wires + wires,
-        given_to_air=account.given_to_air + h * air,
-        nonconservative=account.nonconservative + h * nonconservative,
+        work_ends=account.work_ends
+        + (half * (before.ends + after.ends) + h * losses.moving_bodies),
+        dissipated_swivel=account.dissipated_swivel + half * (before.swivel + after.swivel),
+        dissipated_material=account.dissipated_material + h * losses.damping,
+        dissipated_contact=account.dissipated_contact + h * losses.contact,
+        dissipated_wires=account.dissipated_wires + losses.wires,
+        given_to_air=account.given_to_air + h * losses.air,
+        nonconservative=account.nonconservative + h * losses.nonconservative,
     )
     return changed
 

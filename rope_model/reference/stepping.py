@@ -10,7 +10,13 @@ of the step in which that becomes due.
 import math
 from dataclasses import dataclass, replace
 
-from rope_model.method.step_control import ACCEPT_BELOW, next_step, step_error, step_limits
+from rope_model.method.step_control import (
+    ACCEPT_BELOW,
+    AcceptedStep,
+    next_step,
+    step_error,
+    step_limits,
+)
 from rope_model.method.step_errors import ErrorSums
 from rope_model.method.swivel_phases import (
     CHATTER_EVENTS,
@@ -75,11 +81,13 @@ def step_towards(scene: Scene, state: State, t_end: float) -> State | Failure:
         new = replace(new, t=stop)  # exactly, not up to rounding
     following = next_step(
         solver=scene.solver,
-        h=accepted.h,
+        accepted=AcceptedStep(
+            h=accepted.h,
+            t=old.t + accepted.h,
+            error=accepted.error,
+            rejected=accepted.rejected,
+        ),
         step_next=min(accepted.before.step_next, scene.solver.step_max),
-        error=accepted.error,
-        rejected=accepted.rejected,
-        t=old.t + accepted.h,
         calm_since=state.calm_since,
     )
     after = replace(

@@ -28,7 +28,7 @@ def remembered(state: RopeState) -> dict[str, Scalar]:
         "status.given_up": state.counts.given_up,
         "status.given_up_since": state.given_up_since,
         "guard.tripped": less(0.0, guard.cause),
-        "inputs.repeated": maximum(left.repeats, right.repeats),
+        "inputs.repeated": maximum(left.repetitions.number, right.repetitions.number),
         "energy.total": total(state.energy_balance),
         "energy.residual": residual(state.energy_balance),
     }
@@ -39,9 +39,10 @@ def remembered(state: RopeState) -> dict[str, Scalar]:
     values |= {f"count.{name}": getattr(state.counts, name) for name in Counts._fields}
     for k, name in enumerate(("position", "speed", "acceleration")):
         values[f"inputs.misfit.{name}"] = maximum(
-            *(getattr(x, f"{name}_misfit") for x in (left, right))
+            *(getattr(x.misfits, name) for x in (left, right))
         )
-        mean = maximum(left.misfit_squares[k], right.misfit_squares[k]) / maximum(left.time, TINY)
+        squares = maximum(left.misfits.squares[k], right.misfits.squares[k])
+        mean = squares / maximum(left.misfits.time, TINY)
         values[f"inputs.misfit.{name}_rms"] = sqrt(mean)
     impulses = zip((*KINDS, "rope"), state.contact.impulses, strict=True)
     values |= {f"contact.{kind}.impulse": impulse for kind, impulse in impulses}

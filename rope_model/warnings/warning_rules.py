@@ -138,20 +138,22 @@ def _bend_unresolved(scene: Scene, state: RopeState) -> tuple[Scalar, ...]:
 
 def _positions_rounded(scene: Scene, end_filter: InputFilter, step: Scalar) -> tuple[Scalar, ...]:
     x = end_filter
-    on_grid = logical_and(x.samples >= MIN_SAMPLES, x.grid >= COARSEST_ROUNDING, x.grid < 1)
+    on_grid = logical_and(
+        x.grid.samples >= MIN_SAMPLES, x.grid.size >= COARSEST_ROUNDING, x.grid.size < 1
+    )
     return logical_and(
-        scene.inputs.given != "speed", on_grid, x.position_misfit > 0.25 * x.grid
-    ), x.grid
+        scene.inputs.given != "speed", on_grid, x.misfits.position > 0.25 * x.grid.size
+    ), x.grid.size
 
 
 def _motion_misfits(scene: Scene, end_filter: InputFilter, step: Scalar) -> tuple[Scalar, ...]:
     x = end_filter
-    disturbs = x.acceleration_misfit > scene.accuracy.end_force * scene.layout.gravity
+    disturbs = x.misfits.acceleration > scene.accuracy.end_force * scene.layout.gravity
     return (
         logical_and(scene.inputs.given == "all", disturbs),
-        x.position_misfit,
-        x.speed_misfit,
-        x.acceleration_misfit,
+        x.misfits.position,
+        x.misfits.speed,
+        x.misfits.acceleration,
     )
 
 
@@ -159,8 +161,8 @@ def _estimates_lag(scene: Scene, end_filter: InputFilter, step: Scalar) -> tuple
     """Return whether an estimated motion was further from the given one than inputs.misfit_max admits given ones."""
     x = end_filter
     bandwidth = filter_settings(scene, POSITION).estimate
-    lags = logical_and(scene.inputs.given != "all", x.position_misfit > scene.inputs.misfit_max)
-    return lags, x.position_misfit, x.speed_misfit, bandwidth
+    lags = logical_and(scene.inputs.given != "all", x.misfits.position > scene.inputs.misfit_max)
+    return lags, x.misfits.position, x.misfits.speed, bandwidth
 
 
 def _loop_unresolved(scene: Scene, state: RopeState) -> tuple[Scalar, ...]:
@@ -281,14 +283,16 @@ ACCURACY_GIVEN_UP: Rules = {
 INPUTS: Rules = {
     texts.positions_rounded: _positions_rounded,
     texts.samples_repeated: lambda scene, end_filter, step: (
-        logical_and(end_filter.repeats > 0, end_filter.sent_every > 0),
-        end_filter.repeats,
+        logical_and(end_filter.repetitions.number > 0, end_filter.repetitions.sent_every > 0),
+        end_filter.repetitions.number,
         step,
-        end_filter.sent_every,
+        end_filter.repetitions.sent_every,
     ),
     texts.table_too_coarse: lambda scene, end_filter, step: (
-        logical_and(end_filter.breaks >= MIN_BREAKS, end_filter.grid < COARSEST_ROUNDING),
-        end_filter.table_every,
+        logical_and(
+            end_filter.table.breaks >= MIN_BREAKS, end_filter.grid.size < COARSEST_ROUNDING
+        ),
+        end_filter.table.piece,
         step,
     ),
     texts.motion_misfits: _motion_misfits,

@@ -20,7 +20,13 @@ from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.parameters import Winding
 from rope_model import Air, Layout, Mesh, Model, Rope, Shaft, balance_rope, rope_120
 from rope_model.boundary.end_paths import EndMotion
-from rope_model.boundary.input_filter import InputFilter
+from rope_model.boundary.input_filter import (
+    GridDetector,
+    InputFilter,
+    Misfits,
+    Repetitions,
+    TableDetector,
+)
 from rope_model.engine import NativeRope
 from rope_model.messages import warning_messages
 from rope_model.messages.rules import first_text
@@ -221,15 +227,17 @@ ROPES = {
 
 
 def following_of_misfits(chance: random.Random) -> InputFilter:
-    sizes = {
-        "position_misfit": (0.0, 3e-4, 0.2),
-        "acceleration_misfit": (0.0, 0.3),
-        "repeats": (0.0, 0.0, 12.0),
-    }
-    sizes |= {"samples": (3.0, 300.0), "grid": (1.0, 0.0, 1e-3), "breaks": (0.0, 2.0, 9.0)}
-    chosen = {name: chance.choice(of) for name, of in sizes.items()}
     return InputFilter(
-        **chosen, speed_misfit=chance.uniform(0.0, 0.3), sent_every=0.02, table_every=0.1
+        misfits=Misfits(
+            position=chance.choice((0.0, 3e-4, 0.2)),
+            speed=chance.uniform(0.0, 0.3),
+            acceleration=chance.choice((0.0, 0.3)),
+        ),
+        repetitions=Repetitions(number=chance.choice((0.0, 0.0, 12.0)), sent_every=0.02),
+        grid=GridDetector(
+            size=chance.choice((1.0, 0.0, 1e-3)), samples=chance.choice((3.0, 300.0))
+        ),
+        table=TableDetector(breaks=chance.choice((0.0, 2.0, 9.0)), piece=0.1),
     )
 
 

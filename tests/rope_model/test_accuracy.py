@@ -41,6 +41,18 @@ ROPE = Rope(length=400.0, beta_K=0.0)
 CONSTANT = float(local_error(Coefficients(0.6), 1.0, 1.0))
 
 
+def step_of_wave(h: float, leg: float, strain_tt: float) -> step_errors.MeasuredStep:
+    """Return a step of a rope at rest in whose left leg (m) a wave runs; its forces are as large as its strains."""
+    return step_errors.MeasuredStep(
+        h=h,
+        bottom_s=leg,
+        end_speed=0.0,
+        strain_tt=(float(strain_tt), 0.0),
+        position=0.0,
+        force=ROPE.Qa,
+    )
+
+
 def test_errors_of_a_wave_add_up_to_its_phase() -> None:
     """Each step turns a wave of amplitude 1 by C (omega h)^3: it is off by all turns so far, as far as they last."""
     leg = 300.0
@@ -51,9 +63,7 @@ def test_errors_of_a_wave_add_up_to_its_phase() -> None:
     sums = step_errors.ErrorSums()
     rates = omega * np.sin(omega * h * np.arange(n + 1))
     for pace in np.diff(rates) / h:
-        sums = step_errors.add_errors(
-            Scene(ROPE), sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, ROPE.Qa
-        )
+        sums = step_errors.add_errors(Scene(ROPE), sums, step_of_wave(h, leg, pace), CONSTANT)
     t = h * np.arange(n)
     lasts = step_errors.wave_duration(ROPE, omega)
     off = turn * lasts / h * (1 - np.exp(-t / lasts)) * np.sin(omega * t)
@@ -69,9 +79,7 @@ def test_errors_that_go_with_no_wave_do_not_add_up() -> None:
     sums = step_errors.ErrorSums()
     rng = np.random.default_rng(1)
     for pace in 1e-9 / (CONSTANT * h * h) * rng.standard_normal(4000):
-        sums = step_errors.add_errors(
-            scene, sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, ROPE.Qa
-        )
+        sums = step_errors.add_errors(scene, sums, step_of_wave(h, leg, pace), CONSTANT)
     assert step_errors.end_force_error(
         ROPE, sums
     ) < step_errors.RATE_ERROR_FACTOR * 1e-9 * math.sqrt(4000)
@@ -118,9 +126,7 @@ def test_the_error_of_a_forced_wave_is_estimated_however_many_radians_a_step_tak
     scene = Scene(rope)
     sums = step_errors.ErrorSums()
     for _, pace in found:
-        sums = step_errors.add_errors(
-            scene, sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, rope.Qa
-        )
+        sums = step_errors.add_errors(scene, sums, step_of_wave(h, leg, pace), CONSTANT)
     off = np.sqrt(np.mean((found[:, 0] - exact[:, 0]) ** 2))
     assert 0.5 < step_errors.end_force_error(rope, sums) / off < 1.5
 

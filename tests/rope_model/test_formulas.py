@@ -2,7 +2,6 @@
 
 import ctypes as ct
 import random
-import re
 from itertools import chain
 from typing import Any, get_type_hints
 
@@ -13,41 +12,31 @@ from native_parts import compiled
 from numpy.testing import assert_allclose
 
 from rope_model.codegen.expressions import texts_of
-from rope_model.codegen.formula_functions import (
-    argument_of,
-    formulas,
-    function_code,
-    shape_of,
-    symbols_of,
-)
-from rope_model.codegen.formulas import STRUCTURES
+from rope_model.codegen.formula_functions import function_code, shape_of, symbols_of
+from rope_model.codegen.formulas import FORMULAS
 from rope_model.codegen.messages import texts
+from rope_model.codegen.signatures import Argument, Formula
 from rope_model.codegen.structures import GROUPS, SceneStructure
 from rope_model.parameters import Scene
 from rope_model.physics.elementary import where
 
 #: where a formula asks for more than a number between 0.5 and 1
 VALUES = {"number": 800.0}
-FORMULAS = formulas()
-PARSED = re.compile(r"(\w+) (\w+)\((.*)\)")
 
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory: pytest.TempPathFactory) -> Any:
     """A library with every formula as a function of its own: `name`_ calls `name`."""
     code = ['#include "formulas.h"', ""]
-    for prototype in FORMULAS:
-        match = PARSED.fullmatch(prototype)
-        assert match
-        result, name, arguments = match.groups()
-        passed = ", ".join(argument_of(text).name for text in arguments.split(", "))
-        call = f"{name}({passed});"
-        if result != "void":
+    for formula in FORMULAS:
+        arguments = formula.arguments
+        if formula.result is not None:
+            arguments.append(formula.result)
+        call = f"{formula.name}({', '.join(argument.name for argument in arguments)});"
+        if formula.result is None:
             call = f"return {call}"
-        code += [
-            f"{result} {name}_({arguments});",
-            f"{result} {name}_({arguments}) {{ {call} }}",
-        ]
+        prototype = formula.prototype().replace(f"{formula.name}(", f"{formula.name}_(")
+        code += [f"{prototype};", f"{prototype} {{ {call} }}"]
     return compiled(tmp_path_factory.mktemp("formulas"), {"all.c": "\n".join(code) + "\n"})
 
 
@@ -65,7 +54,10 @@ def c_structure(kind: type[Any]) -> type[ct.Structure]:
         return SceneStructure
     if kind in GROUPS:
         return GROUPS[kind]
-    fields = [(name, c_numbers(shape_of(hint))) for name, hint in get_type_hints(kind).items()]
+    fields = [
+        (name, c_structure(hint) if hasattr(hint, "_fields") else c_numbers(shape_of(hint)))
+        for name, hint in get_type_hints(kind).items()
+    ]
     return type(kind.__name__, (ct.Structure,), {"_fields_": fields})
 
 
@@ -89,9 +81,9 @@ def with_numbers(symbolic: Any, chance: random.Random) -> Any:
     return made
 
 
-def in_c(value: Any, kind: str) -> Any:
-    if kind != "double":
-        return ct.byref(fill(c_structure(STRUCTURES[kind])(), value))
+def in_c(value: Any, argument: Argument) -> Any:
+    if argument.structure is not None:
+        return ct.byref(fill(c_structure(argument.structure)(), value))
     if isinstance(value, float):
         return ct.c_double(value)
     return np.array(value).ctypes.data_as(ct.c_void_p)
@@ -116,36 +108,30 @@ def flat(value: Any) -> list[float]:
     return [*chain.from_iterable(map(flat, parts))]
 
 
-@pytest.mark.parametrize("prototype", FORMULAS)
-def test_c_computes_the_formula_to_the_bit(library: Any, prototype: str) -> None:
-    match = PARSED.fullmatch(prototype)
-    assert match
-    result, name, text = match.groups()
-    arguments = [argument_of(argument) for argument in text.split(", ")]
-    function = getattr(library, f"{name}_")
-    formula = FORMULAS[prototype]
-    chance = random.Random(name)
-    if result == "void":
-        taker = arguments.pop()
-    elif result == "double":
+@pytest.mark.parametrize("formula", FORMULAS, ids=lambda formula: formula.name)
+def test_c_computes_the_formula_to_the_bit(library: Any, formula: Formula) -> None:
+    function = getattr(library, f"{formula.name}_")
+    chance = random.Random(formula.name)
+    result = formula.result
+    if formula.returned is not None:
+        function.restype = c_structure(formula.returned)
+    elif result is None:
         function.restype = ct.c_double
-    else:
-        function.restype = c_structure(STRUCTURES[result])
-    own_hypot = "hypot" in function_code(prototype, formula)
-    symbols = [symbols_of(argument) for argument in arguments]
+    own_hypot = "hypot" in function_code(formula)
+    symbols = [symbols_of(argument) for argument in formula.arguments]
     for _ in range(100):
         values = [with_numbers(symbol, chance) for symbol in symbols]
-        expected = flat(formula(*values))
+        expected = flat(formula.function(*values))
         given = [
-            in_c(value, argument.kind) for value, argument in zip(values, arguments, strict=True)
+            in_c(value, argument) for value, argument in zip(values, formula.arguments, strict=True)
         ]
-        if result == "void":
-            made = np.full(taker.shape, np.nan)
+        if result is not None:
+            made = np.full(result.shape, np.nan)
             function(*given, made.ctypes.data_as(ct.c_void_p))
             ours = made.ravel()
         else:
             back = function(*given)
-            ours = np.atleast_1d(back) if result == "double" else np.frombuffer(back)
+            ours = np.frombuffer(back) if formula.returned else np.atleast_1d(back)
         if own_hypot:  # Python has a hypot of its own, rounded better than libm's
             assert_allclose(ours, expected, rtol=1e-14, atol=1e-14)
         else:

@@ -91,7 +91,7 @@ def test_a_motion_that_fits_is_met_exactly() -> None:
     for k in range(1, 400):
         found = end.step(k * H, exact(k * H))
         assert max(*found.measures.position_misfits, *found.measures.speed_misfits) < 1e-14
-    assert end.filter.position_misfit < 1e-15
+    assert end.filter.misfits.position < 1e-15
 
 
 def test_a_position_that_does_not_fit_is_drawn_in_like_a_critically_damped_observer() -> None:
@@ -212,8 +212,8 @@ def test_a_sample_of_a_moving_end_that_comes_again_is_extrapolated_and_counted()
         end.step(t, sample)
         assert end.path.lean_motion(t)[0][0] == pytest.approx(0.1 * t, abs=1e-12)
         assert end.path.motion(t)[0][1] == pytest.approx(0.25 * t * t, abs=1e-6)
-    assert end.filter.repeats == 150
-    assert end.filter.sent_every == pytest.approx(4 * H)
+    assert end.filter.repetitions.number == 150
+    assert end.filter.repetitions.sent_every == pytest.approx(4 * H)
 
 
 @pytest.mark.parametrize("h", [0.002, 0.01])
@@ -243,13 +243,13 @@ def test_a_position_alone_that_comes_again_is_no_sample_unless_the_end_has_stopp
             sent = k
         end.step(k * h, EndMotion(y=y(sent * h)))
         if k == round(whole / h):
-            counted = end.filter.repeats
+            counted = end.filter.repetitions.number
             assert counted > 0.5 * k
             assert end.filter.motion[1] == pytest.approx(
                 (y(end.filter.given_at), speed, 0.0), abs=1e-3
             )
     # the end of the brake is not taken for a repetition
-    assert end.filter.repeats == counted
+    assert end.filter.repetitions.number == counted
     assert end.filter.motion[1] == pytest.approx((y(k * h), 0.0, 0.0), abs=1e-3)
 
 
@@ -274,7 +274,7 @@ def test_a_sample_that_comes_again_is_counted_where_the_end_must_have_moved(
     end = Follower(settings=usual_manner(trusted))
     for k in range(1, 301):
         end.step(k * H, given(k))
-    assert end.filter.repeats == repeats
+    assert end.filter.repetitions.number == repeats
     if trusted == "speed":
         assert end.filter.motion[1][1] == pytest.approx(1.0, abs=1e-6)
 

@@ -20,7 +20,7 @@ from shared import Array
 from fmu_src.interface import variables
 from rope_model import Rope, RopeCase, Scene, Swivel, scene_names
 from rope_model.boundary.end_paths import MOTION_BOUNDS, EndMotion
-from rope_model.boundary.input_filter import InputFilter
+from rope_model.boundary.input_filter import InputFilter, Repetitions
 from rope_model.codegen.structures import EndMotionStructure, SceneStructure, scene_structure
 from rope_model.fidelity.choice import (
     FIDELITIES,
@@ -122,7 +122,7 @@ def test_an_acceleration_that_is_too_large_is_refused() -> None:
 
 def test_a_signal_that_stands_still_for_longer_than_it_may_is_refused() -> None:
     inputs = Inputs()
-    end_filter = InputFilter(given_at=1.0, steps_held=7.0)
+    end_filter = InputFilter(given_at=1.0, repetitions=Repetitions(held=7.0))
     latest = 1.0 + inputs.hold_max
     assert stale_input_error(inputs, 0.5 * (1.0 + latest), end_filter, "right") == ""
     said = stale_input_error(inputs, latest + 0.5, end_filter, "right")

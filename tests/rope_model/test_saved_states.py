@@ -105,9 +105,11 @@ def misfit(fidelity: FidelityChoice) -> Case:
             return unfit(t, fidelity), EndMotion()
         return EndMotion(), EndMotion()
 
-    return Case(
-        scene, motion, 12, 18, lambda x: x.filters[0].repeats * x.filters[0].position_misfit > 1e-4
-    )
+    def repeats_and_errs(state: RopeState) -> bool:
+        end_filter = state.filters[0]
+        return end_filter.repetitions.number * end_filter.misfits.position > 1e-4
+
+    return Case(scene, motion, 12, 18, repeats_and_errs)
 
 
 FIDELITIES: tuple[FidelityChoice, ...] = ("torsional", "spatial", "planar", "rigid")

@@ -1,13 +1,14 @@
 """A rope's functions as trip.c calls them, by pointers: those of FMI, or of rope.h."""
 
 from collections.abc import Callable, Sequence
-from ctypes import CFUNCTYPE, Array, Structure, addressof, c_int, c_size_t, c_void_p, cast
+from ctypes import CFUNCTYPE, Array, addressof, c_void_p, cast
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hoist_demo.cosimulation.participants.c_structures import Member, SharedStructure, fields_of
 from hoist_demo.recording.fidelity import code_of
 from rope_model import Status
 
@@ -39,19 +40,20 @@ CALLS = ("MOTIONS", "STEP", "VALID", "FORCES")  #: Calls of a step of the rope, 
 TEXT = np.dtype("S24")  #: Characters of a text that are stored.
 
 
-class Access(Structure):
-    """A function that gets or sets values, row by row of an array."""
+class Access(SharedStructure):
+    """Function of the rope that gets or sets values, row by row of an array."""
 
-    _fields_ = (
-        ("called_as", c_int),
-        ("function", c_void_p),
-        ("rope", c_void_p),
-        ("numbers", c_void_p),
-        ("count", c_size_t),
-        ("length", c_size_t),
-        ("bytes", c_size_t),
-        ("values", c_void_p),
+    members = (
+        Member("called_as", "int", "AS_ and the function's name: the member of the union"),
+        Member("function", "Function"),
+        Member("rope", "void *"),
+        Member("numbers", "const void *", "of the values"),
+        Member("count", "size_t", "of the numbers"),
+        Member("length", "size_t", "of a row"),
+        Member("bytes", "size_t", "of a row"),
+        Member("values", "char *"),
     )
+    _fields_ = fields_of(members)
 
 
 def make_access(

@@ -76,18 +76,21 @@ static bool search_bodies(const System *sys, const double *q, double margin, uns
     remember_configuration(sys, &obstacles->cache, q);
     obstacles->longest = 0;
     obstacles->any = false;
-    for (int e = 0; e < sys->elements; total += sys->lengths[e++]) {
+    for (int e = 0; e < sys->elements; e++) {
+        total += sys->lengths[e];
         obstacles->longest = maximum(obstacles->longest, sys->lengths[e]);
         obstacles->near[e] &= keep;
         obstacles->any |= obstacles->near[e] != 0;
     }
-    for (int first = 0, last; first < sys->elements; first = last) {
+    int first = 0;
+    while (first < sys->elements) {
         double box[6];
-        last = bodies_group(sys->elements, sys->lengths, q, first, box);
+        const int last = bodies_group(sys->elements, sys->lengths, q, first, box);
         for (int k = 0; k < obstacles->bodies; k++)
             if (!(min_distance(sys, k, box) >= maximum(margin, obstacles->cache.free)))
                 added |= search_elements(sys, q, k, first, last, along, total, margin);
         for (int e = first; e < last; e++) along += sys->lengths[e];
+        first = last;
     }
     return added;
 }
@@ -110,7 +113,8 @@ bool add_near_bodies(const System *sys, const double *q, double corrections) {
 
 double longest_near(const System *sys) {
     double longest = 0;
-    for (int e = 0; sys->obstacles != NULL && sys->obstacles->any && e < sys->elements; e++)
+    if (sys->obstacles == NULL || !sys->obstacles->any) return 0;
+    for (int e = 0; e < sys->elements; e++)
         if (sys->obstacles->near[e]) longest = maximum(longest, sys->lengths[e]);
     return longest;
 }

@@ -22,7 +22,8 @@ void elements_at(const System *sys, int index, PointForce *point) {
 
 void nodal_forces(const System *sys, double *R) {
     PointForce point = {0};
-    for (int index = 0; sys->forces != NULL && index < sys->forces->count; index++) {
+    if (sys->forces == NULL) return;
+    for (int index = 0; index < sys->forces->count; index++) {
         elements_at(sys, index, &point);
         double *row = R + (size_t)point.element * DOF;
         for (int k = 0; k < 4; k++)
@@ -32,7 +33,8 @@ void nodal_forces(const System *sys, double *R) {
 
 void point_forces_push(const System *sys, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
     PointForce point = {0};
-    for (int index = 0; sys->forces != NULL && index < sys->forces->count; index++) {
+    if (sys->forces == NULL) return;
+    for (int index = 0; index < sys->forces->count; index++) {
         double place[3], speed[3], load[6];
         elements_at(sys, index, &point);
         at_places(q, point.element, point.N, place);

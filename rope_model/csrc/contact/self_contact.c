@@ -122,7 +122,8 @@ static void search_element(const System *sys, const double *q, const double *v, 
         }
         if (least < self_contact->nearest[0]) self_contact->nearest[1] = point[1];
         self_contact->nearest[0] = minimum(self_contact->nearest[0], least);
-        for (int strand = 0; self_contact->presses && least < diameter && strand < MAX_STRANDS; strand++) {
+        const int strands = self_contact->presses && least < diameter ? MAX_STRANDS : 0;
+        for (int strand = 0; strand < strands; strand++) {
             const int n = next_strand(sys, others);
             if (n < 0) break;
             contact.elements[1] = self_contact->others[n];

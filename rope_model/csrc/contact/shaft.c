@@ -100,12 +100,14 @@ static void search_elements(NearestSearch *search, const NodalArrays *nodal, int
 void shaft_nearer(const Scene *scene, const NodalArrays *nodal, double t, Nearest nearest[KINDS]) {
     NearestSearch searches[MAX_BODIES];
     const int count = searches_of(scene, nodal, t, nearest, searches);
-    for (int first = 0, last; count > 0 && first < nodal->elements; first = last) {
+    int first = 0;
+    while (count > 0 && first < nodal->elements) {
         double box[6];
-        last = bodies_group(nodal->elements, nodal->lengths, nodal->q, first, box);
+        const int last = bodies_group(nodal->elements, nodal->lengths, nodal->q, first, box);
         for (int n = 0; n < count; n++)
             if (first < searches[n].last && searches[n].first < last && may_be_nearer(&searches[n], box))
                 search_elements(&searches[n], nodal, first, last);
+        first = last;
     }
     nearest_of(count, searches, nearest);
 }

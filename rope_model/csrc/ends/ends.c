@@ -82,7 +82,7 @@ RopeStatus check_motion(const Scene *scene, const EndMotion *target, const doubl
 
 RopeStatus check_input_age(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message) {
     message[0] = '\0';
-    if (end_filter->steps_held > 1 && t - end_filter->given_at > inputs->hold_max)
+    if (end_filter->repetitions.held > 1 && t - end_filter->given_at > inputs->hold_max)
         return say_inputs_frozen(message, side_name(side), t - end_filter->given_at, inputs->hold_max);
     return ROPE_DONE;
 }

@@ -69,26 +69,40 @@ Mesh fit_mesh(const Scene *scene) {
     return mesh;
 }
 
+/* Return the length of the element that begins at `begin` of a leg, in units of l: the longest of LONGER that the
+   distances from its end and from the loop and `growth` allow, where its multiples lie; else 1. */
+static int element_length(int begin, int units, double growth) {
+    int size = 1;
+    if (!(growth > 0)) return size;
+    for (int k = 0; k < LENGTHS; k++) {
+        const int longer = LONGER[k], gap = units - (begin + longer);
+        const bool near_end = longer > begin;
+        const bool near_loop = gap < GRADING * (longer - 1);
+        if (near_end || near_loop || gap * growth < (double)(longer * longer)) break;
+        if (begin % longer == 0) size = longer;
+    }
+    return size;
+}
+
 /* Write the element lengths of a leg from the end of the rope on, as long as `growth` allows at their distances from
    end and loop; return their number.  Leg, growth and lengths are in units of l; lengths may be NULL. */
 static int leg_lengths(int units, double growth, double *lengths, int stride) {
     int count = 0;
-    for (int begin = 0, size; begin < units; begin += size, count++) {
-        size = 1;
-        for (int k = 0; growth > 0 && k < LENGTHS; k++) {
-            int longer = LONGER[k], gap = units - (begin + longer);
-            if (longer > begin || gap < GRADING * (longer - 1) || gap * growth < (double)(longer * longer)) break;
-            if (begin % longer == 0) size = longer;
-        }
+    int begin = 0;
+    while (begin < units) {
+        const int size = element_length(begin, units, growth);
         if (lengths != NULL) lengths[(ptrdiff_t)stride * count] = size;
+        begin += size;
+        count++;
     }
     return count;
 }
 
 /* Return the number of elements of both legs, which have `units` l together, for the worst place of the loop. */
 static int leg_elements(int units, double growth) {
-    int most = growth > 0 ? 0 : units;
-    for (int first = 1; growth > 0 && first <= units / 2; first++) {
+    if (!(growth > 0)) return units; /* all are l long */
+    int most = 0;
+    for (int first = 1; first <= units / 2; first++) {
         int count = leg_lengths(first, growth, NULL, 0) + leg_lengths(units - first, growth, NULL, 0);
         most = count > most ? count : most;
     }
@@ -191,6 +205,12 @@ static int end_lengths(int levels, double longest, double *lengths, int stride) 
     return n;
 }
 
+/* Return the number of elements that both legs share, and that of each end's refinement, without its outermost. */
+static int elements_of_legs(int elements, const int *counts, int levels, const double longest[2], int ends[2]) {
+    for (int side = 0; side < 2; side++) ends[side] = end_lengths(levels, longest[side], NULL, 0) - 1;
+    return elements - ends[0] - ends[1] - fill_inner(counts, NULL);
+}
+
 static void tmn_lengths(const Pattern *pattern, int elements, double *lengths) {
     double coarse = pattern->coarse;
     const int *counts = pattern->counts;
@@ -200,12 +220,11 @@ static void tmn_lengths(const Pattern *pattern, int elements, double *lengths) {
               least = leg_lengths(first, growth, NULL, 0) + leg_lengths(last, growth, NULL, 0);
     /* Where the pattern is cut off, the loop bends the rope up to its end. */
     double longest[2] = {counts[0] < 1 ? fine : 1, counts[SEGMENTS - 1] < 1 ? fine : 1};
-    int ends[2], both;
-    for (;;) {
-        for (int side = 0; side < 2; side++) ends[side] = end_lengths(levels, longest[side], NULL, 0) - 1;
-        both = elements - ends[0] - ends[1] - fill_inner(counts, NULL);
-        if (both >= least) break;
+    int ends[2];
+    int both = elements_of_legs(elements, counts, levels, longest, ends);
+    if (both < least) { /* too few are left for the legs: do not refine the ends for the loop */
         longest[0] = longest[1] = 1;
+        both = elements_of_legs(elements, counts, levels, longest, ends);
     }
 
     double *left = lengths + ends[0], *right = lengths + elements - 1 - ends[1];
@@ -217,7 +236,8 @@ static void tmn_lengths(const Pattern *pattern, int elements, double *lengths) {
 
 void mesh_dividers(const Scene *scene, double left, double right, double *divider_s) {
     divider_positions(scene, left, right, divider_s);
-    for (int i = 0; scene->mesh.kind != AUTO_MESH && i < DIVIDERS; i++) divider_s[i] = INFINITY;
+    if (scene->mesh.kind == AUTO_MESH) return;
+    for (int i = 0; i < DIVIDERS; i++) divider_s[i] = INFINITY;
 }
 
 static void place_windows(Pattern *pattern, const double *divider_s) {
@@ -225,7 +245,8 @@ static void place_windows(Pattern *pattern, const double *divider_s) {
 }
 
 bool window_due(const Pattern *pattern, const double *divider_s) {
-    for (int i = 0; pattern->coarse > 0 && i < DIVIDERS; i++)
+    if (!(pattern->coarse > 0)) return false; /* EEM has no windows */
+    for (int i = 0; i < DIVIDERS; i++)
         if (fabs(window_place(pattern, divider_s[i]) - pattern->windows[i]) > WINDOW_DUE) return true;
     return false;
 }

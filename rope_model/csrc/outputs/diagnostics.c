@@ -206,9 +206,10 @@ static void climb_on(Climb *leg) {
     double place[3];
     memcpy(leg->low, leg->high, sizeof leg->low);
     leg->high[1] = HUGE_VAL;
-    for (; (leg->last - leg->point) * step >= 0 && leg->high[1] == HUGE_VAL; leg->point += step) {
+    while ((leg->last - leg->point) * step >= 0 && leg->high[1] == HUGE_VAL) {
         point_of(leg->nodal, leg->point, place);
         if (place[1] > leg->low[1]) memcpy(leg->high, place, sizeof leg->high);
+        leg->point += step;
     }
 }
 
@@ -251,8 +252,8 @@ LoopTurns loop_turns(const NodalArrays *nodal, const LoopBottom *bottom) {
     double across[2], angle = 0, sharpest = -1, below = bottom->position[1];
     LoopTurns turns = {0, below};
     heading(bottom->yaw, across);
-    for (double height = fmin(left.high[1], right.high[1]); height < HUGE_VAL;
-         height = fmin(left.high[1], right.high[1])) {
+    double height = fmin(left.high[1], right.high[1]);
+    while (height < HUGE_VAL) {
         const double next_across[2] = {climb_at(&right, height, 0) - climb_at(&left, height, 0),
                                        climb_at(&right, height, 2) - climb_at(&left, height, 2)};
         const double turned = angle_between(across, next_across);
@@ -263,6 +264,7 @@ LoopTurns loop_turns(const NodalArrays *nodal, const LoopBottom *bottom) {
         memcpy(across, next_across, sizeof across);
         if (left.high[1] <= height) climb_on(&left);
         if (right.high[1] <= height) climb_on(&right);
+        height = fmin(left.high[1], right.high[1]);
     }
     turns.number = angle / (2 * PI);
     return turns;

@@ -65,7 +65,8 @@ static void add_side(const ContactPair *pair, Probe one, Probe two, Pressed *pre
         place = deeper.depth <= level  ? deeper.place
                 : other.depth >= level ? other.place
                                        : place_of_depth(pair, other, deeper.place, level);
-        for (int n = 0; place != before && n < CONTACT_POINTS; n++)
+        if (place == before) continue; /* nothing between the levels */
+        for (int n = 0; n < CONTACT_POINTS; n++)
             contact_point(parts[n], weights[n], before, place, pressed->points[pressed->count++]);
     }
 }

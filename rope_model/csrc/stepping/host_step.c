@@ -51,8 +51,8 @@ static RopeStatus move_ends(Simulator *sim, State *state, double t, const EndMot
     }
     char why[MESSAGE];
     EndMotion filtered[2] = {ends[LEFT], ends[RIGHT]};
-    for (int side = LEFT; side <= RIGHT && scene->inputs.given != ALL_GIVEN; side++)
-        filtered[side] = path_at(&state->paths[side], t);
+    if (scene->inputs.given != ALL_GIVEN)
+        for (int side = LEFT; side <= RIGHT; side++) filtered[side] = path_at(&state->paths[side], t);
     unsupported_motion(&sim->scene, state->fidelity, filtered, sim->forces.count, why);
     if (!why[0]) return ROPE_DONE;
     if (sim->scene.model.fidelity != AUTO_FIDELITY)
@@ -81,8 +81,8 @@ static void cut_paths(const Scene *scene, const State *before, State *state, dou
         state->paths[side].stop = t;
         account_end(scene, before, state, &settings, side, &now);
         /* the path meets the given acceleration at its planned stop only */
-        state->filters[side].acceleration_misfit = now.acceleration_misfit;
-        state->filters[side].misfit_squares[2] = now.misfit_squares[2];
+        state->filters[side].misfits.acceleration = now.misfits.acceleration;
+        state->filters[side].misfits.squares[2] = now.misfits.squares[2];
     }
 }
 

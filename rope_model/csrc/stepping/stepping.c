@@ -86,7 +86,8 @@ static RopeStatus accepted_step(Simulator *sim, State *state, double stop, StepR
         parts = 2;
         next = h;
     }
-    const NextStep following = next_step(solver, h, next, trial->error_ratio, rejected, trial->t, state->calm_since);
+    const AcceptedStep accepted = {.h = h, .t = trial->t, .error = trial->error_ratio, .rejected = rejected};
+    const NextStep following = next_step(solver, &accepted, next, state->calm_since);
     state->calm_since = following.calm_since;
     state->counts.given_up += following.given_up > 0 || trial->newton.error > solver->newton_tolerance;
     *step_next = following.length;
