@@ -25,7 +25,10 @@ else:
         # not before it is asked for: the parameters alone need no CasADi, and the Python FMU has no
         # native form
         if name == "__all__" or not name.startswith("_"):
-            public = import_module(".public", __name__)
+            try:
+                public = import_module(".public", __name__)
+            except AttributeError as error:  # or Python would say that this package lacks the name
+                raise ImportError(f"{__name__}.public cannot be imported: {error}") from error
             if name == "__all__" or name in public.__all__:
                 return getattr(public, name)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
