@@ -134,13 +134,13 @@ def compared(
     bend = lean * math.sqrt(max(rope.EI, rope.EI_stick) * force)
     unbalanced = one.largest_unbalanced + other.largest_unbalanced
     least = ROUNDING * force + unbalanced
-    moment = max(float(np.abs(one.several(MOMENTS)).max()), 1.0)
+    moment = float(np.abs(one.several(MOMENTS)).max())
     bounds = {
         FORCES: least + estimate * (one.force_error + other.force_error) + lean * force,
         MEANS: least + estimate * (one.force_error + other.force_error),
         # moments follow the loop and the forces: no better known than the worse of both
         MOMENTS: 10 * ROUNDING * moment
-        + rope.diameter * unbalanced
+        + rope.diameter * least  # by coupling, moments follow the forces' rounding
         + estimate * moment * (one.force_error + other.force_error) / force
         + loop_errors / one.case.scene.layout.spacing * moment
         + bend,
