@@ -34,6 +34,7 @@ if (
 ):
     os.environ |= {
         "OPTIMISING_CC": compiler[0],
+        "SYSTEM_CC": compiler[0],
         "CC": str(QUICK / "cc"),
     }
 # examples are bounded by their number: a busy machine is no failure

@@ -3,6 +3,7 @@
 import ast
 import errno
 import os
+import re
 import subprocess
 import sys
 import time
@@ -37,6 +38,8 @@ WRITERS = frozenset(
     | {"json.dump", "pickle.dump", "np.save", "pq.write_table", "shutil.copy"}
 )
 _LAST_NAMES = frozenset(name.rpartition(".")[2] for name in WRITERS)
+#: a module without one of them is not parsed
+CALLS = re.compile(rf"\b({'|'.join(sorted(_LAST_NAMES | {'open', 'write_text', 'write_bytes'}))})\b")
 #: Writers of scratch files in temporary folders, and of a lock: nobody reads a part of them.
 SCRATCH = {
     "fmu_src/python/export.py": 5,  # the stage of the Python FMU
@@ -84,7 +87,10 @@ def test_no_file_is_written_but_by_the_one_helper() -> None:
     for path in sorted(paths):
         if path == Path(files.__file__):
             continue
-        tree = ast.parse(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        if not CALLS.search(text):
+            continue
+        tree = ast.parse(text)
         drafts = names_of_drafts(tree)
         for call in (one for one in ast.walk(tree) if isinstance(one, ast.Call) and writes(one)):
             uses = {one.id for one in ast.walk(call) if isinstance(one, ast.Name)}
