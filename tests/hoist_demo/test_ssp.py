@@ -84,6 +84,7 @@ def wind(tool: str, ssp: Path, steps: int = STEPS, *signals: str) -> NDArray[np.
     ],
     indirect=["ssp"],
 )
+@pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
 def test_tool_winds_the_system_as_a_loop_over_what_fmpy_read(
     ssp: Path, tool: str, oracle: str, steps: int
 ) -> None:
