@@ -329,6 +329,7 @@ def freed_blocks(folder: Path) -> list[str]:
     return [str(library)]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
 def test_the_worked_program_of_the_tools_page_prints_what_it_says(tmp_path: Path) -> None:
     page = (ROOT / "docs" / "howto" / "import.md").read_text(encoding="utf-8")

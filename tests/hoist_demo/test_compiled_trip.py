@@ -123,10 +123,21 @@ def test_a_guard_of_the_rope_stops_the_hoist_as_in_python(in_c: list[int]) -> No
     assert_alike(stopped, wound.run(python=True))
 
 
+SHORT_SAMPLES = Coupling(step=0.02, sample=0.01)
+LONG_SAMPLES = Coupling(step=0.01, sample=0.02)
+
+
 @pytest.mark.parametrize(
-    "coupling", [Coupling(step=0.02, sample=0.01), Coupling(step=0.01, sample=0.02)]
+    ("kind", "coupling"),
+    [
+        ("", SHORT_SAMPLES),
+        ("", LONG_SAMPLES),
+        ("native-3", SHORT_SAMPLES),
+        pytest.param("native-3", LONG_SAMPLES, marks=pytest.mark.slow),
+        pytest.param("native-2", SHORT_SAMPLES, marks=pytest.mark.slow),
+        pytest.param("native-2", LONG_SAMPLES, marks=pytest.mark.slow),
+    ],
 )
-@pytest.mark.parametrize("kind", ["", pytest.param("native-2", marks=pytest.mark.slow), "native-3"])
 @pytest.mark.parametrize("part", ["rope", "drive"])
 def test_a_trip_that_fails_does_so_with_the_words_of_python(
     part: str, kind: str, coupling: Coupling, fmu_of
@@ -182,7 +193,8 @@ def test_other_schemes_slipping_ropes_and_brakes_are_wound_in_python(in_c: list[
         Wound("jammed-conveyance"),
         Wound("slack-rope", winding=replace(find_case("slack-rope").winding, emergency_at=0.5)),
     ):
-        assert wound.run().completed
+        # what is wound in C is so from the first sample on; here the brake holds since 0.5 s
+        assert wound.run(progress=lambda _, t: t < 1.5).recording.time[-1] > 1.4
     assert sum(in_c) == 0
 
 

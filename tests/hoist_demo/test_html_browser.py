@@ -203,11 +203,27 @@ def test_a_run_shows_what_was_recorded(seen_run: SimpleNamespace) -> None:
         np.testing.assert_allclose(found, ticks)
 
 
-def test_a_complaint_of_the_page_would_be_noticed(tmp_path: Path) -> None:
-    seen = look(
-        run(tmp_path), 'fetch("https://example.org/").catch(() => 0); await wait(100);', 800
-    )
-    assert any("Content Security Policy" in line for line in seen.console)
+@pytest.fixture(scope="module")
+def never_began(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
+    """The page of a run without a row, which then asks the network for something."""
+    touches = found('querySelector(".stopped").textContent')
+    asks = 'fetch("https://example.org/").catch(() => 0); await wait(100);'
+    return look(stopped({}, tmp_path_factory.mktemp("never")), f"{touches} {asks}", 800)
+
+
+def found(probe: str) -> str:
+    return f"seen.found = document.{probe};"
+
+
+def stopped(signals: dict[str, np.ndarray], folder: Path) -> Path:
+    """The page of a run that was stopped."""
+    ended = result(signals, "no <shape>")
+    report = Report("T", judge(ended, Hoist(), [RopeData({}, {}, {})]))
+    return run_report(ended, Hoist(), report, folder / "run.html")
+
+
+def test_a_complaint_of_the_page_would_be_noticed(never_began: SimpleNamespace) -> None:
+    assert any("Content Security Policy" in line for line in never_began.console)
 
 
 def test_a_study_loads_silently_sorts_marks_and_keeps_a_range(seen_study: SimpleNamespace) -> None:
@@ -237,27 +253,21 @@ def test_a_study_loads_silently_sorts_marks_and_keeps_a_range(seen_study: Simple
     assert sorted(said["kept"]) == ["1", "2", "3"]
 
 
-def test_a_run_that_stopped_after_one_row_or_never_began_is_shown(tmp_path: Path) -> None:
-    only = {
+def test_a_run_that_never_began_is_shown(never_began: SimpleNamespace) -> None:
+    # no complaint but that of the network
+    assert all("example.org" in line for line in never_began.console)
+    assert "no <shape>" in never_began.said["found"]
+
+
+def test_a_run_that_stopped_after_one_row_is_shown(tmp_path: Path) -> None:
+    signals = {
         name: np.array([value])
         for name, value in (("time", 0.0), ("left.fy", -1e3), ("loop.y", -15.0))
     }
-    for signals, probe, expected in (
-        (
-            only | shaped(curve(0.0)[None]),
-            'getElementById("loop").dataset.bottom',
-            "0.0000 -15.0000 0.0000",
-        ),
-        ({}, 'querySelector(".stopped").textContent', "no <shape>"),
-    ):
-        path = tmp_path / f"run{len(signals)}.html"
-        ended = result(signals, "no <shape>")
-        page = run_report(
-            ended, Hoist(), Report("T", judge(ended, Hoist(), [RopeData({}, {}, {})])), path
-        )
-        seen = look(page, f"seen.found = document.{probe};", 800)
-        assert seen.console == []
-        assert expected in seen.said["found"]
+    page = stopped(signals | shaped(curve(0.0)[None]), tmp_path)
+    seen = look(page, found('getElementById("loop").dataset.bottom'), 800)
+    assert seen.console == []
+    assert "0.0000 -15.0000 0.0000" in seen.said["found"]
 
 
 _SHAFT = """

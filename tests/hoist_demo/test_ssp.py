@@ -69,8 +69,22 @@ def wind(tool: str, ssp: Path, steps: int = STEPS, *signals: str) -> NDArray[np.
     return np.array(json.loads(line.removeprefix("RESULT ")))
 
 
-@pytest.mark.parametrize("steps", [PART, pytest.param(STEPS, marks=pytest.mark.slow)])
-@pytest.mark.parametrize(("tool", "oracle"), TOOLS)
+@pytest.mark.parametrize(
+    ("ssp", "tool", "oracle", "steps"),
+    [
+        # one tool for each version of FMI
+        ("native-2", "libcosim", "fmpy_counting", PART),
+        ("native-3", "ecos", "fmpy_adding", PART),
+        pytest.param("native-2", "ecos", "fmpy_adding", PART, marks=pytest.mark.slow),
+        *(
+            pytest.param(kind, *tool, STEPS, marks=pytest.mark.slow)
+            for kind in NATIVE
+            for tool in TOOLS
+        ),
+    ],
+    indirect=["ssp"],
+)
+@pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
 def test_tool_winds_the_system_as_a_loop_over_what_fmpy_read(
     ssp: Path, tool: str, oracle: str, steps: int
 ) -> None:

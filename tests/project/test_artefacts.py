@@ -275,10 +275,9 @@ def test_an_artefact_leaves_nothing_behind(place: str, tried: Callable[[str], An
     assert tried(place)["left behind"] == []
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium found: apt-get install chromium")
-@pytest.mark.parametrize(
-    "place", [pytest.param(name, marks=[pytest.mark.slow] * (name != "bare")) for name in PLACES]
-)
+@pytest.mark.parametrize("place", PLACES)
 def test_the_report_draws_the_rope_wherever_it_lies(place: str, tmp_path: Path) -> None:
     folder = tmp_path / PLACES[place].folder
     folder.mkdir()

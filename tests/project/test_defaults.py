@@ -79,12 +79,24 @@ def places(path: Path) -> tuple[Place, ...]:
     return tuple(_places(path))
 
 
+#: a file without one of them has no place
+WORDS = re.compile(rf"\b({'|'.join(CALLS)})\(|\b({'|'.join(GROUPS)})(__|\.)")
 #: a comment for a tool, which gives no reason
 DIRECTIVE = re.compile(r"# (noqa|type|fmt|mypy|ruff)\b")
 
 
 def _places(path: Path) -> Iterator[Place]:
     text = path.read_text(encoding="utf-8")
+    if not WORDS.search(text):
+        return
+    tree = ast.parse(text)
+    found = list[tuple[int, str]]()
+    for node in ast.walk(tree):
+        found += named(node)
+        if kind := kind_of(node):
+            found.append((getattr(node, "lineno", 0), kind))
+    if not found:
+        return
     with path.open("rb") as file:
         comments = {
             token.start[0]
@@ -92,7 +104,6 @@ def _places(path: Path) -> Iterator[Place]:
             if token.type == tokenize.COMMENT and not DIRECTIVE.match(token.string)
         }
     explained: set[int] = set()
-    tree = ast.parse(text)
     for node in ast.walk(tree):
         if not isinstance(node, ast.stmt):
             continue
@@ -105,12 +116,8 @@ def _places(path: Path) -> Iterator[Place]:
             node, ast.With | ast.For | ast.If | ast.While | ast.Try
         ) and comments & {*range(first - 1, last + 1)}:
             explained |= set(range(first, last + 1))
-    for node in ast.walk(tree):
-        found = [*named(node)]
-        if kind := kind_of(node):
-            found.append((getattr(node, "lineno", 0), kind))
-        for line, kind in found:
-            yield Place(str(path.relative_to(TESTS)), line, kind, line in explained)
+    for line, kind in found:
+        yield Place(str(path.relative_to(TESTS)), line, kind, line in explained)
 
 
 REASONS = tomllib.loads(Path(__file__).with_name("defaults.toml").read_text(encoding="utf-8"))

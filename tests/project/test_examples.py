@@ -69,7 +69,7 @@ def test_a_released_swivel_ends_stuck_below_its_static_friction(tmp_path: Path) 
     ("script", "arguments", "off"),
     [
         # a reel's curvature adds its moment: coupling and the loop's yaw, 4 degrees, turn a part of it away
-        ("reel_set.py", (), 5e-3),
+        pytest.param("reel_set.py", (), 5e-3, marks=pytest.mark.slow),
         # rigid against elastic: the legs' longitudinal waves run 4 m in a millisecond, and the ramp takes 4 s
         ("study.py", (), 1e-3),
         # both forms of the rope, each in steps of its own that meet the same tolerance

@@ -216,8 +216,10 @@ def test_a_sample_of_a_moving_end_that_comes_again_is_extrapolated_and_counted()
     assert end.filter.repetitions.sent_every == pytest.approx(4 * H)
 
 
-@pytest.mark.parametrize("h", [0.002, 0.01])
-@pytest.mark.parametrize("a", [1.0, 9.0])
+@pytest.mark.parametrize(
+    ("a", "h"),
+    [pytest.param(1.0, 0.002, marks=pytest.mark.slow), (1.0, 0.01), (9.0, 0.002), (9.0, 0.01)],
+)
 def test_a_position_alone_that_comes_again_is_no_sample_unless_the_end_has_stopped(
     h: float, a: float
 ) -> None:

@@ -102,7 +102,7 @@ def test_what_the_steps_make_falls_with_them() -> None:
 
 def test_two_that_swing_against_each_other_move_as_one_against_a_wall_midway() -> None:
     """But that the law begins softly within a part of the diameter, which the wall has twice."""
-    h = 0.001
+    h = 0.002
     struck, z = (
         rope.rows()[:, 3]
         for rope in (striking(h, friction=0.0)[1][0], against_a_wall(h, friction=0.0))
