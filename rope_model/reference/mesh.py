@@ -40,6 +40,8 @@ LEG_LENGTHS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 #: least distance of an element of m l from segments II to VI over (m - 1) l
 DISTANCE_TO_LOOP = 2
 SAME_NODE = 1e-9  #: distance (l) below which two nodes are one
+PATTERN = ("coarse", "counts", "end_levels", "grading_length")  #: fields of a Mesh but its lengths
+ROUNDING = 1e-12  #: share of the rope's length by which equal element lengths may differ
 
 
 @dataclass(frozen=True)
@@ -95,15 +97,45 @@ def mesh_of(scene: Scene, bottom_s: float) -> Mesh:
     first = min(max(first, min_elements), outer - min_elements)
     counts = (first, *given.counts, outer - first)
     pattern = Mesh(np.empty(0), coarse, counts, given.end_levels, given.grading_length)
-    return replace(pattern, lengths=coarse * np.diff(_nodes(pattern)))
+    return with_lengths(pattern)
+
+
+def with_lengths(pattern: Mesh) -> Mesh:
+    """Return the pattern of TMN-ETM with the lengths of its elements."""
+    return replace(pattern, lengths=pattern.coarse * np.diff(_nodes(pattern)))
+
+
+def require_mesh_of(scene: Scene, mesh: Mesh) -> None:
+    """Raise ValueError unless ``mesh`` is one of the scene, with its pattern at any place."""
+    expected = mesh_of(scene, 0.5 * scene.rope.length)
+    fits = True
+    if expected.coarse > 0:
+        first = mesh.counts[0]
+        outer = expected.counts[0] + expected.counts[-1]
+        least = int(min_outer(expected.counts[1:6]))
+        fits = least <= first <= outer - least
+        expected = replace(expected, counts=(first, *expected.counts[1:6], outer - first))
+        if fits:
+            expected = with_lengths(expected)
+    fits = (
+        fits
+        and all(getattr(mesh, name) == getattr(expected, name) for name in PATTERN)
+        and mesh.lengths.shape == expected.lengths.shape
+        and bool(np.all(abs(mesh.lengths - expected.lengths) <= ROUNDING * scene.rope.length))
+    )
+    if not fits:
+        raise ValueError(
+            f"the state's mesh of {mesh.lengths.size} elements on {mesh.lengths.sum():g} m must be "
+            f"that of the scene, {expected.lengths.size} elements on {scene.rope.length:g} m: "
+            "restore it into a rope with the same mesh"
+        )
 
 
 def transformed(mesh: Mesh, bottom_s: float) -> Mesh:
     """Return the mesh for a loop at ``bottom_s`` (m): ``mesh`` itself where it still serves."""
     while direction := int(transformation_due(mesh, bottom_s, DUE_EARLY)):
         counts = (mesh.counts[0] + direction, *mesh.counts[1:6], mesh.counts[6] - direction)
-        moved = replace(mesh, counts=counts)
-        mesh = replace(moved, lengths=mesh.coarse * np.diff(_nodes(moved)))
+        mesh = with_lengths(replace(mesh, counts=counts))
     return mesh
 
 

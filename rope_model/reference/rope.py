@@ -20,13 +20,14 @@ from rope_model.physics.node import ANGLE, SIDES
 from rope_model.reference.ends import onwards, peak_acceleration, refusal, resting
 from rope_model.reference.equations import HEIGHT
 from rope_model.reference.hanging import hang
-from rope_model.reference.mesh import mesh_of
+from rope_model.reference.mesh import mesh_of, require_mesh_of
 from rope_model.reference.newton import Cause, Failure
 from rope_model.reference.outputs import NAMES, group_of
 from rope_model.reference.scope import require_published
-from rope_model.reference.state import State
+from rope_model.reference.state import State, require_finite
 from rope_model.reference.statics import StaticsError
 from rope_model.reference.stepping import step_towards
+from rope_model.saved_state import require_form, require_same_rope, state_behind_label
 from rope_model.signals.signal_table import checked_names
 from rope_model.state import RopeState
 
@@ -177,25 +178,32 @@ class ReferenceRope(BalanceRope):
     def warnings(self) -> dict[str, str]:
         return {}
 
-    def save(self) -> bytes:
-        return self.state.to_bytes()
-
     def snapshot(self) -> Snapshot:
-        return Snapshot(self.state, _no_engine_state)
+        return Snapshot(self.form, self._scene, self.state, _no_engine_state, State.to_bytes)
 
-    def restore(self, data: bytes | RopeState | Snapshot) -> None:
-        kept = data.kept if isinstance(data, Snapshot) else data
-        state = State.from_bytes(kept) if isinstance(kept, bytes) else kept
-        if not isinstance(state, State):
-            raise ValueError("this is a state of the engine: restore one of the reference rope")
-        saved = float(state.mesh.lengths.sum())
-        length = self._scene.rope.length
-        if not math.isclose(saved, length):
-            raise ValueError(
-                f"this is a state of a rope of {saved:g} m and must be one of {length:g} m: "
-                "restore it into a rope with the same parameters"
+    def restore(self, data: bytes | RopeState | State | Snapshot) -> None:
+        if isinstance(data, bytes):
+            self._state = self._fitting(
+                State.from_bytes(state_behind_label(data, self.form, self._scene))
             )
-        self._state = state
+            return
+        if isinstance(data, Snapshot):
+            require_form(data.form, self.form)
+            require_same_rope(data.scene, self._scene)
+            self._state = data.kept
+            return
+        if not isinstance(data, State):
+            raise ValueError(
+                f"a {type(data).__name__} must be a State of rope_model.reference.state, bytes of "
+                "save() or a Snapshot: give one of the reference rope"
+            )
+        self._state = self._fitting(data)
+
+    def _fitting(self, state: State) -> State:
+        """Return the state; ValueError unless it is one of this rope's mesh, in finite numbers."""
+        require_mesh_of(self._scene, state.mesh)
+        require_finite(state)
+        return state
 
     def _retune(self, scene: Scene) -> None:
         require_published(scene)

@@ -6,15 +6,17 @@ A state never changes: a step makes a new one, and the old one serves a return.
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass, fields, is_dataclass, replace
 from enum import Enum
-from typing import NamedTuple, TypeAlias, get_args, get_origin, get_type_hints
+from typing import NamedTuple, TypeAlias, get_args, get_type_hints
 
 import numpy as np
 
 from rope_model.arrays import Array
 from rope_model.method.swivel_phases import SwivelState
 from rope_model.parameters import Scene
+from rope_model.physics.element import NODE_DOF
 from rope_model.physics.inextensible import left_leg_length
 from rope_model.physics.node import ANGLE
 from rope_model.reference.ends import EndPath
@@ -120,6 +122,25 @@ class State:
         return state
 
 
+def require_finite(state: State) -> None:
+    """Raise ValueError unless the motion has finite numbers for each node of the mesh."""
+    shape = (state.mesh.lengths.size + 1, NODE_DOF)
+    m = state.motion
+    arrays = {"q": m.q, "v": m.v, "a": m.a, "b": m.b, "a_rate": m.a_rate, "reaction": m.reaction}
+    for name, values in arrays.items():
+        if values.shape != shape or not np.isfinite(values).all():
+            raise ValueError(
+                f"{name} of the state must be finite numbers {shape} of the mesh's nodes: "
+                "restore what state or save() of the reference rope returned"
+            )
+    for name, value in (("t", m.t), ("h", m.h), ("step_next", state.step_next)):
+        if not math.isfinite(value):
+            raise ValueError(
+                f"{name} = {value:g} s of the state must be finite: "
+                "restore what state or save() of the reference rope returned"
+            )
+
+
 def _with_more_angle(x: Array, more: Array) -> Array:
     """Return the rows of nodes ``x`` (nodes, 7) with ``more`` (nodes,) added to their angles."""
     x = x.copy()
@@ -152,7 +173,7 @@ def _from_json(kind: type, content: JsonValue) -> object:
     if isinstance(content, dict):
         hints = get_type_hints(kind)
         return kind(**{name: _from_json(hints[name], value) for name, value in content.items()})
-    if get_origin(kind) is np.ndarray:
+    if kind == Array:
         return np.array(content, dtype=np.float64)
     if isinstance(content, list) and hasattr(kind, "_fields"):
         parts = list(get_type_hints(kind).values())

@@ -43,6 +43,7 @@ from rope_model.reference import generalized_alpha, newton, statics, transformat
 from rope_model.reference.elements import GROUP, over_elements
 from rope_model.reference.equations import Equations
 from rope_model.reference.generalized_alpha import Motion
+from rope_model.reference.mesh import require_mesh_of, transformed
 from rope_model.reference.outputs import NAMES
 from rope_model.reference.rope import ReferenceRope
 from rope_model.reference.scope import NO_BODIES, PUBLISHED
@@ -409,12 +410,29 @@ def test_saved_rope_goes_on_to_the_bit() -> None:
 
 def test_bytes_of_something_else_are_refused() -> None:
     rope = balance_rope(FEW.scene(0.02), "reference")
+    for wrong in (b"{}", b"", b"balance rope state {}\n", b"\xe9"):
+        with pytest.raises(ValueError, match=r"must be a saved state of a rope: give .* save\(\)"):
+            rope.restore(wrong)
+    label, _, state = hung(rope).save().partition(b"\n")
     with pytest.raises(ValueError, match="no state of the reference rope"):
-        rope.restore(b"{}")
-    saved = hung(rope).save()
-    longer = balance_rope(Scene(rope=Rope(length=31.0), mesh=EQUAL), "reference")
-    with pytest.raises(ValueError, match="20 m and must be one of 31 m"):
-        longer.restore(saved)
+        rope.restore(label + b"\n" + state[:-1])
+    with pytest.raises(ValueError, match="must be finite"):
+        rope.restore(label + b"\n" + state.replace(b'"h": 0.0', b'"h": NaN'))
+
+
+def test_a_state_of_another_mesh_is_refused() -> None:
+    scene = replace(FEW, mesh=SMALL_TMN).scene(0.02)
+    rope = hung(balance_rope(scene, "reference"))
+    other = hung(balance_rope(FEW.scene(0.02), "reference"))
+    before = other.state
+    for one, another in ((rope, other), (other, rope)):
+        with pytest.raises(ValueError, match=r"the state's mesh of .* must be that of the scene"):
+            one.restore(another.state)
+    assert other.state is before
+    other.restore(before)
+    moved = transformed(rope.state.mesh, 0.5 * scene.rope.length + rope.state.mesh.coarse)
+    assert moved is not rope.state.mesh
+    require_mesh_of(scene, moved)
 
 
 def shaken(t: float) -> Ends:
@@ -544,6 +562,7 @@ def test_reference_shares_tables_and_rules_with_the_engine_and_no_control_flow()
         "parameters",
         "physics",
         "reference",
+        "saved_state",
         "scene_names",
         "signals",
         "solver_parameters",
