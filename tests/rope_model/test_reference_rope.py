@@ -435,6 +435,34 @@ def test_a_state_of_another_mesh_is_refused() -> None:
     require_mesh_of(scene, moved)
 
 
+@pytest.mark.parametrize("t", [math.nan, math.inf, -2e10, 1e12, 1e300])
+def test_a_start_time_beyond_the_bound_is_refused_with_the_engine_s_words(t: float) -> None:
+    scene = FEW.scene(0.02)
+    said = [balance_rope(scene, form).initialize(t, REST, REST) for form in ("reference", "native")]
+    assert said[0] == said[1]
+    assert not said[0].valid
+    assert "the start time" in said[0].message
+
+
+def test_a_time_that_no_advance_reaches_is_refused_with_the_engine_s_words() -> None:
+    scene = FEW.scene(0.02)
+    ropes = [hung(balance_rope(scene, form)) for form in ("reference", "native")]
+    for t, given_at, words in (
+        (math.nan, None, "time must go forward"),
+        (math.inf, None, "time must go forward"),
+        (-0.5, None, "time must go forward"),
+        (1e300, None, "at once"),
+        (500.0, None, "at once"),
+        (0.01, math.nan, "the ends' motions are of"),
+        (0.01, math.inf, "the ends' motions are of"),
+        (0.01, -2.0, "the ends' motions are of"),
+    ):
+        said = [rope.advance_to(t, REST, REST, given_at) for rope in ropes]
+        assert said[0] == said[1]
+        assert words in said[0].message
+    assert [rope.time for rope in ropes] == [0.0, 0.0]
+
+
 def shaken(t: float) -> Ends:
     """The left end begins to shake at 12 Hz, by 10 mm within 50 ms."""
     grown = min(t / 0.05, 1.0) ** 3
@@ -558,6 +586,7 @@ def test_reference_shares_tables_and_rules_with_the_engine_and_no_control_flow()
         "boundary",
         "fidelity",
         "interface",
+        "messages",
         "method",
         "parameters",
         "physics",
