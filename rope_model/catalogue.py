@@ -230,12 +230,13 @@ class KnownRope:
         Raises
         ------
         ValueError
-            If a name is no property.
+            If a name is no property, or a value no number.
         """
-        for name in properties:
+        for name, value in properties.items():
             require(
                 name in self.data, "property", name, f"one of {', '.join(self.data)}", "choose one"
             )
+            require_number(name, value)
         known = {name: datum.middle for name, datum in self.data.items()} | properties
         return rope_of(self.diameter, self.length, self.lay, **known)
 
