@@ -166,7 +166,7 @@ class ParameterGroup:
         order = check_order(type(self))
         for name, p in order:
             value = getattr(self, name)
-            default = type(self).__dataclass_fields__[name].default
+            default = getattr(type(self), name)
             if not p.choices and isinstance(default, int | float):
                 require_number(name, value, whole=isinstance(default, int))
         for name, p in order:

@@ -14,21 +14,21 @@ from typing import NamedTuple, TypeAlias, get_args, get_type_hints
 import numpy as np
 
 from rope_model.arrays import Array
+from rope_model.method.generalized_alpha import Motion
 from rope_model.method.swivel_phases import SwivelState
 from rope_model.parameters import Scene
 from rope_model.physics.element import NODE_DOF
 from rope_model.physics.inextensible import left_leg_length
 from rope_model.physics.node import ANGLE
-from rope_model.reference.ends import EndPath
+from rope_model.reference.ends import EndQuintic
 from rope_model.reference.energies import Energies
 from rope_model.reference.equations import Equations
-from rope_model.reference.generalized_alpha import Motion
-from rope_model.reference.mesh import Mesh
+from rope_model.reference.mesh import RopeMesh
 from rope_model.reference.swivel import Ends
 
 
 @dataclass(frozen=True)
-class Counts:
+class StepCounts:
     """Numbers since the start."""
 
     steps: int = 0
@@ -40,8 +40,8 @@ class Counts:
     swivel_events: int = 0
 
 
-class Event(NamedTuple):
-    """Event between two steps."""
+class LoggedEvent(NamedTuple):
+    """LoggedEvent between two steps."""
 
     t: float  #: s
     what: str
@@ -52,8 +52,8 @@ class State:
     """Complete state of a rope between conveyances."""
 
     motion: Motion
-    mesh: Mesh
-    paths: tuple[EndPath, EndPath]
+    mesh: RopeMesh
+    paths: tuple[EndQuintic, EndQuintic]
     swivels: tuple[SwivelState, SwivelState]
     offsets: tuple[float, float]  #: rad, of theta at both ends: see ``swivel``
     loop_yaw: float  #: rad, at the lowest node, counted through full turns
@@ -61,8 +61,8 @@ class State:
     calm_since: float  #: s, instant of the last step whose error was not small
     force_mean: tuple[float, float]  #: N, vertical force on the conveyances over the last advance
     energies: Energies
-    counts: Counts = Counts()
-    events: tuple[Event, ...] = ()  #: of the last advance
+    counts: StepCounts = StepCounts()
+    events: tuple[LoggedEvent, ...] = ()  #: of the last advance
 
     @property
     def last_interval(self) -> float:

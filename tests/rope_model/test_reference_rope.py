@@ -36,13 +36,13 @@ from rope_model import (
     balance_rope,
 )
 from rope_model.arrays import Array
+from rope_model.method.generalized_alpha import Motion
 from rope_model.physics.element import element_functions
 from rope_model.physics.hermite import missing_load
 from rope_model.physics.node import ANGLE, arc_lengths
 from rope_model.reference import generalized_alpha, newton, statics, transformation
 from rope_model.reference.elements import GROUP, over_elements
 from rope_model.reference.equations import Equations
-from rope_model.reference.generalized_alpha import Motion
 from rope_model.reference.mesh import require_mesh_of, transformed
 from rope_model.reference.outputs import NAMES
 from rope_model.reference.rope import ReferenceRope
