@@ -43,7 +43,7 @@ from rope_model.physics.node import ANGLE, arc_lengths
 from rope_model.reference import generalized_alpha, newton, statics, transformation
 from rope_model.reference.elements import GROUP, over_elements
 from rope_model.reference.equations import Equations
-from rope_model.reference.mesh import require_mesh_of, transformed
+from rope_model.reference.mesh import mesh_of, require_mesh_of, transformed
 from rope_model.reference.outputs import NAMES
 from rope_model.reference.rope import ReferenceRope
 from rope_model.reference.scope import NO_BODIES, PUBLISHED
@@ -433,6 +433,9 @@ def test_a_state_of_another_mesh_is_refused() -> None:
     moved = transformed(rope.state.mesh, 0.5 * scene.rope.length + rope.state.mesh.coarse)
     assert moved is not rope.state.mesh
     require_mesh_of(scene, moved)
+    equal = {n: Scene(rope=Rope(length=30.0), mesh=Mesh("eem", elements=n)) for n in (30, 59)}
+    with pytest.raises(ValueError, match="mesh of 59 elements on 30 m must be .* 30 elements"):
+        require_mesh_of(equal[30], mesh_of(equal[59], 15.0))
 
 
 @pytest.mark.parametrize("t", [math.nan, math.inf, -2e10, 1e12, 1e300])
