@@ -434,7 +434,7 @@ def test_a_state_of_another_mesh_is_refused() -> None:
     assert moved is not rope.state.mesh
     require_mesh_of(scene, moved)
     equal = {n: Scene(rope=Rope(length=30.0), mesh=Mesh("eem", elements=n)) for n in (30, 59)}
-    with pytest.raises(ValueError, match="mesh of 59 elements on 30 m must be .* 30 elements"):
+    with pytest.raises(ValueError, match=r"mesh of 59 elements on 30 m must be .* 30 elements"):
         require_mesh_of(equal[30], mesh_of(equal[59], 15.0))
 
 
