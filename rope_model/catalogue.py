@@ -22,7 +22,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
-from rope_model.parameter_table import require
+from rope_model.parameter_table import require, require_number
 from rope_model.parameters import Rope
 
 DatumStatus = Literal["measured", "published", "derived", "calibrated", "contradicted", "assumed"]
@@ -60,12 +60,6 @@ class Datum:
         if self.logarithmic:
             return self.low * math.exp(share * math.log(self.high / self.low))
         return self.low + share * (self.high - self.low)
-
-    def share(self, value: float) -> float:
-        """Return the fraction of the range at ``value``, the inverse of ``at``."""
-        if self.logarithmic:
-            return math.log(value / self.low) / math.log(self.high / self.low)
-        return (value - self.low) / (self.high - self.low)
 
 
 @dataclass(frozen=True)
@@ -236,12 +230,13 @@ class KnownRope:
         Raises
         ------
         ValueError
-            If a name is no property.
+            If a name is no property, or a value no number.
         """
-        for name in properties:
+        for name, value in properties.items():
             require(
                 name in self.data, "property", name, f"one of {', '.join(self.data)}", "choose one"
             )
+            require_number(name, value)
         known = {name: datum.middle for name, datum in self.data.items()} | properties
         return rope_of(self.diameter, self.length, self.lay, **known)
 
@@ -286,6 +281,8 @@ def rope(
         f"one of {', '.join(get_args(Lay))}",
         "see the rope's data sheet",
     )
+    require_number("diameter", diameter)
+    require_number("length", length)
     require(
         0.0 < diameter <= 1.0, "diameter", diameter, "above 0 and at most 1 m", "give it in metres"
     )

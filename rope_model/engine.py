@@ -1,6 +1,7 @@
 """NativeRope, the rope in C: a ctypes wrapper of the library with the interface of BalanceRope."""
 
 import ctypes
+import hashlib
 import os
 import struct
 from collections.abc import Callable, Iterable, Sequence
@@ -18,7 +19,7 @@ from rope_model.codegen import state_structures as layout
 from rope_model.codegen.build import failed, library
 from rope_model.codegen.structures import scene_structure
 from rope_model.fidelity.choice import Fidelity
-from rope_model.interface import BalanceRope, Snapshot, Status, state_in
+from rope_model.interface import BalanceRope, Snapshot, Status
 from rope_model.messages import messages
 from rope_model.method.generalized_alpha import Motion
 from rope_model.method.partition import Partition
@@ -27,6 +28,7 @@ from rope_model.parameters import Scene
 from rope_model.physics.element import NODE_DOF
 from rope_model.physics.energy_balance import Powers
 from rope_model.physics.node import SIDES
+from rope_model.saved_state import require_form, require_same_rope, state_behind_label
 from rope_model.signals.signal_table import SIGNALS, checked_names
 from rope_model.solver_parameters import FidelityChoice
 from rope_model.state import NO_HYSTERESIS, Event, RopeState
@@ -324,18 +326,27 @@ class NativeRope(BalanceRope):
         return warnings
 
     def snapshot(self) -> Snapshot:
-        return Snapshot(self.native_state(), _unpack)
+        return Snapshot(self.form, self._scene, self.native_state(), _unpack, _with_layout)
 
     def restore(self, data: bytes | RopeState | Snapshot) -> None:
-        native = data.kept if isinstance(data, Snapshot) else None
-        if isinstance(native, bytes):
-            packed = native
-        else:
-            packed = _pack(state_in(data))
-        # the hysteresis of wires that do not rub yet is not stored
-        packed = packed.ljust(self._lib.rope_state_bytes(self._rope), b"\0")
-        if not (status := self.restore_native(packed)).valid:
+        if not (status := self.restore_native(self._native_state_in(data))).valid:
             raise ValueError(status.message)
+
+    def _native_state_in(self, data: bytes | RopeState | Snapshot) -> bytes:
+        """Return the ``native_state`` of a result of ``save``, ``state`` or ``snapshot`` of this rope."""
+        if isinstance(data, bytes):
+            return _without_layout(state_behind_label(data, self.form, self._scene))
+        if isinstance(data, Snapshot):
+            require_form(data.form, self.form)
+            require_same_rope(data.scene, self._scene)
+            return cast(bytes, data.kept)
+        if not isinstance(data, RopeState):
+            raise ValueError(
+                f"a {type(data).__name__} must be a RopeState of rope_model.state, bytes of save() "
+                "or a Snapshot: give one of the native rope"
+            )
+        # a RopeState has no step that led to it, nor a hysteresis before the wires rub
+        return _pack(data).ljust(self._lib.rope_state_bytes(self._rope), b"\0")
 
     def _retune(self, scene: Scene) -> None:
         if not (
@@ -399,6 +410,26 @@ def _numbers(names: tuple[str, ...]) -> ctypes.Array[c_int]:
 def _ends(left: EndMotion, right: EndMotion) -> bytes:
     """Return both motions as an array of EndMotion of rope.h."""
     return _MOTIONS.pack(*left.__dict__.values(), *right.__dict__.values())
+
+
+@cache
+def _layout() -> bytes:
+    """Return a digest of the memory layout: another version of rope_model may have another one."""
+    return hashlib.sha256(layout.state_structures().encode()).digest()
+
+
+def _with_layout(native: bytes) -> bytes:
+    return _layout() + native
+
+
+def _without_layout(data: bytes) -> bytes:
+    """Return the ``native_state`` that ``_with_layout`` was given."""
+    if not data.startswith(_layout()):
+        raise ValueError(
+            "the saved state has the layout of another version of rope_model: "
+            "restore it with that version, or save it anew"
+        )
+    return data.removeprefix(_layout())
 
 
 def _unpack(data: bytes) -> RopeState:

@@ -12,7 +12,7 @@ from rope_model.boundary.end_paths import EndMotion
 from rope_model.boundary.point_forces import PointForces
 from rope_model.fidelity.choice import Fidelity
 from rope_model.parameters import Scene
-from rope_model.scene_names import named_parameters
+from rope_model.saved_state import changed_parameters, labelled
 from rope_model.signals.signal_table import checked_names
 from rope_model.state import RopeState
 
@@ -27,15 +27,22 @@ class Status:
 
 @dataclass(frozen=True)
 class Snapshot:
-    """A state in memory, in the form of the rope that made it."""
+    """A complete state in memory, in the form of the rope that made it."""
 
+    form: str  #: form of that rope
+    scene: Scene  #: data of that rope
     kept: Any  #: state in that form
     unpack: Callable[[Any], RopeState]  #: function that makes a RopeState of it
+    pack: Callable[[Any], bytes]  #: function that makes bytes of it
 
     @property
     def state(self) -> RopeState:
         """State for analysis, and for other ropes."""
         return self.unpack(self.kept)
+
+    def to_bytes(self) -> bytes:
+        """Return the bytes that ``save`` would have returned."""
+        return labelled(self.pack(self.kept), self.form, self.scene)
 
 
 class BalanceRope(ABC):
@@ -193,21 +200,30 @@ class BalanceRope(ABC):
         """Return warnings about a valid state: sentences by subject."""
 
     def save(self) -> bytes:
-        """Return the complete state, for ``restore`` of any form of the same scene, also in another process."""
-        return self.state.to_bytes()
+        """Return the complete state, for ``restore`` of a rope of this form, also in another process.
 
+        The point forces of ``apply`` and the tunable parameters of ``retune`` are no part of it.
+        """
+        return self.snapshot().to_bytes()
+
+    @abstractmethod
     def snapshot(self) -> Snapshot:
         """Return the complete state, for ``restore``; faster than ``state`` and ``save``."""
-        return Snapshot(self.state, lambda state: state)
 
     @abstractmethod
     def restore(self, data: bytes | RopeState | Snapshot) -> None:
-        """Go on from the result of ``save``, ``state`` or ``snapshot``.
+        """Go on from the result of ``save``, ``state`` or ``snapshot``; nothing changes if it is refused.
+
+        From ``save`` and ``snapshot`` the rope goes on to the same bits.  A ``state`` may have been
+        changed, and lacks the communication step that led to it: until the next step, added masses
+        are those of a step that is yet to come.
 
         Raises
         ------
         ValueError
-            If it does not fit this scene; nothing changes then.
+            If ``save`` or ``snapshot`` is that of another form, or of a rope with other parameters
+            than the tunable ones.  If a ``state`` has another mesh or numbers that no rope of this
+            scene has; its parameters are not known.
         """
 
     def retune(self, scene: Scene) -> None:
@@ -218,22 +234,12 @@ class BalanceRope(ABC):
         ValueError
             If anything else of the scene differs; nothing changes then.
         """
-        for old, new in zip(named_parameters(self.scene), named_parameters(scene), strict=True):
-            if new.value != old.value and not old.facts.tunable:
-                raise ValueError(
-                    f"{old.name} = {new.value:g} must stay {old.value:g} during a run: make a new rope"
-                )
+        for old, new in changed_parameters(self.scene, scene):
+            raise ValueError(
+                f"{old.name} = {new.value:g} must stay {old.value:g} during a run: make a new rope"
+            )
         self._retune(scene)
 
     @abstractmethod
     def _retune(self, scene: Scene) -> None:
         """Take the tunable parameters of ``scene``."""
-
-
-def state_in(data: bytes | RopeState | Snapshot) -> RopeState:
-    """Return the RopeState of a result of ``save``, ``state`` or ``snapshot``."""
-    if isinstance(data, Snapshot):
-        return data.state
-    if isinstance(data, bytes):
-        return RopeState.from_bytes(data)
-    return data

@@ -5,6 +5,7 @@ structures and checks (codegen.tables), the FMU's interface, its documents, stud
 """
 
 import math
+import numbers
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import field, fields
@@ -134,6 +135,24 @@ def require(ok: bool, what: str, value: Any, bound: str, cure: str) -> None:
         raise ValueError(f"{what} = {value!r} is out of range: it must be {bound}; {cure}")
 
 
+def require_number(name: str, value: object, *, whole: bool = False) -> None:
+    """Raise ValueError unless the value is a finite real number, and without a fraction if ``whole``.
+
+    True and False are none, nor is an array with one number; numbers of numpy are.
+    """
+    if type(value) is not float:
+        if isinstance(value, str):
+            cure = "give it without quotation marks"
+        else:
+            cure = "give one, or leave it out for the default"
+        is_number = isinstance(value, numbers.Real) and not isinstance(value, bool)
+        require(is_number, name, value, "a number", cure)
+    assert isinstance(value, int | float | numbers.Real)
+    require(math.isfinite(value), name, value, "finite", "give a number")
+    if whole:
+        require(value == math.floor(value), name, value, "a whole number", "leave out the fraction")
+
+
 class ParameterGroup:
     """Data that are checked when they are made."""
 
@@ -147,14 +166,13 @@ class ParameterGroup:
         order = check_order(type(self))
         for name, p in order:
             value = getattr(self, name)
-            if isinstance(value, float):
-                require(math.isfinite(value), name, value, "finite", "give a number")
-            elif isinstance(value, str) and not p.choices:
-                require(False, name, value, "a number", "give it without quotation marks")
+            default = getattr(type(self), name)
+            if not p.choices and isinstance(default, int | float):
+                require_number(name, value, whole=isinstance(default, int))
         for name, p in order:
             value = getattr(self, name)
             if p.choices:
-                ok = value in p.choices
+                ok = isinstance(value, str) and value in p.choices
             else:
                 if isinstance(p.lower, str):
                     lower = getattr(self, p.lower)

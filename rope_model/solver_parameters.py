@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
@@ -15,6 +16,7 @@ from rope_model.parameter_table import (
     choice,
     parameter,
     require,
+    require_number,
 )
 
 MeshKind = Literal["tmn", "eem", "auto"]
@@ -118,12 +120,14 @@ class Mesh(ParameterGroup):
 
     def __post_init__(self) -> None:
         require(
-            len(self.counts) == 5,
+            isinstance(self.counts, Sequence) and len(self.counts) == len(SEGMENTS),
             "counts",
             self.counts,
             "five numbers",
             "give those of segments II to VI",
         )
+        for segment, count in zip(SEGMENTS, self.counts, strict=True):
+            require_number(f"element count of segment {segment}", count, whole=True)
         self.require_in_bounds()
 
 

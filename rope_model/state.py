@@ -1,31 +1,22 @@
-"""Complete state of a run, and its conversion to bytes."""
+"""Complete state of a run."""
 
 from __future__ import annotations
 
-import json
-import math
-from collections.abc import Sequence
-from dataclasses import fields, is_dataclass
-from enum import Enum
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from rope_model.arrays import Array
 from rope_model.boundary.end_paths import EndPath
 from rope_model.boundary.input_filter import (
-    GridDetector,
     InputFilter,
-    Misfits,
-    Repetitions,
-    TableDetector,
 )
 from rope_model.fidelity.choice import Fidelity
 from rope_model.method.audit import Audit
 from rope_model.method.generalized_alpha import Motion
 from rope_model.method.partition import Partition
 from rope_model.method.step_errors import ErrorSums
-from rope_model.method.swivel_phases import Phase, SwivelState
+from rope_model.method.swivel_phases import SwivelState
 from rope_model.physics.contact_error import ContactSums
 from rope_model.physics.element import POINTS
 from rope_model.physics.energy_balance import EnergyBalance, Powers
@@ -120,93 +111,3 @@ class RopeState(NamedTuple):
     guard: GuardState = GuardState()
     director: tuple[float, float, float] = START  # e1 of physics.initial_curvature at the left end
     hysteresis: Array = NO_HYSTERESIS  # 1/m, z of physics.wire_friction
-
-    def to_bytes(self) -> bytes:
-        """Return the state as bytes that depend on the state alone: length of the JSON, JSON, all arrays."""
-        arrays: list[Array] = []
-        head = json.dumps(_to_json(self, arrays)).encode()
-        numbers = (x.astype("<f8").tobytes() for x in arrays)
-        return b"".join((len(head).to_bytes(8, "little"), head, *numbers))
-
-    @staticmethod
-    def from_bytes(data: bytes) -> RopeState:
-        """Return the state that ``to_bytes`` wrote; ValueError for anything else."""
-        try:
-            start = 8 + int.from_bytes(data[:8], "little")
-            numbers_left = np.frombuffer(data[start:], "<f8").astype(np.float64).tolist()
-            state: RopeState = _from_json("state", json.loads(data[8:start]), numbers_left)
-            if numbers_left:
-                raise ValueError(f"{8 * len(numbers_left)} of them too many")
-            return state
-        except Exception as error:
-            raise ValueError(f"these {len(data)} bytes are not a rope state ({error})") from error
-
-
-#: kinds of records and of choices, by the field that holds one or a tuple of them
-_KINDS: dict[str, type[Any]] = {
-    "state": RopeState,
-    "motion": Motion,
-    "partition": Partition,
-    "swivels": SwivelState,
-    "phase": Phase,
-    "paths": EndPath,
-    "filters": InputFilter,
-    "misfits": Misfits,
-    "repetitions": Repetitions,
-    "grid": GridDetector,
-    "table": TableDetector,
-    "events": Event,
-    "energy_balance": EnergyBalance,
-    "errors": ErrorSums,
-    "contact": ContactSums,
-    "powers": Powers,
-    "counts": Counts,
-    "audit": Audit,
-    "nearest": Nearest,
-    "crossing": Crossing,
-    "guard": GuardState,
-}
-#: members of the JSON objects of a record (its values in the order of its fields), an array and a
-#: choice
-_RECORD = "of"
-_ARRAY = "shape"
-_CHOICE = "is"
-
-
-def _names(record: Any) -> Sequence[str]:
-    """Return the names of the fields of a data class or a named tuple, or () for anything else."""
-    if is_dataclass(record):
-        return [field.name for field in fields(record)]
-    return getattr(record, "_fields", ())
-
-
-def _to_json(x: Any, arrays: list[Array]) -> Any:
-    """Return ``x`` for JSON: records, arrays and choices as objects; the arrays are appended to ``arrays``."""
-    if isinstance(x, np.ndarray):
-        arrays.append(x)
-        return {_ARRAY: x.shape}
-    if names := _names(x):
-        return {_RECORD: [_to_json(getattr(x, name), arrays) for name in names]}
-    if isinstance(x, tuple):
-        return [_to_json(part, arrays) for part in x]
-    return {_CHOICE: x.value} if isinstance(x, Enum) else x
-
-
-def _from_json(field: str, content: Any, numbers_left: list[float]) -> Any:
-    """Return the value of the ``field`` from ``content``; arrays are taken from ``numbers_left``."""
-    if isinstance(content, list):
-        return tuple(_from_json(field, part, numbers_left) for part in content)
-    if not isinstance(content, dict):
-        return content
-    if _CHOICE in content:
-        return _KINDS[field](content[_CHOICE])
-    if _ARRAY in content:
-        count = math.prod(content[_ARRAY])
-        array = np.array(numbers_left[:count]).reshape(content[_ARRAY])
-        del numbers_left[:count]
-        return array
-    kind = _KINDS[field]
-    values = content[_RECORD]
-    return kind(
-        *(_from_json(name, x, numbers_left) for name, x in zip(_names(kind), values, strict=True))
-    )

@@ -12,7 +12,7 @@ from evidence.tables import Array
 from rope_model.parameters import Layout, Rope
 from rope_model.physics.node import POSITION
 from rope_model.reference.equations import Equations
-from rope_model.reference.generalized_alpha import coefficients, restart, step
+from rope_model.reference.generalized_alpha import largest_error, restart, step
 from rope_model.reference.statics import find_equilibrium, hanging_guess
 
 GRAVITY = Layout().gravity
@@ -61,7 +61,6 @@ def fall(EI: float, elements: int, largest: float, tolerance: float) -> Fall:
     equations, q = fold(EI, elements)
     motion = restart(equations, 0.0, q, np.zeros_like(q))
     start = potential(equations.balance(q, motion.v))
-    local_error = coefficients(RHO_INF).local_error
     h = largest
     dissipated = 0.0
     unexplained = 0.0
@@ -70,7 +69,7 @@ def fall(EI: float, elements: int, largest: float, tolerance: float) -> Fall:
         new = step(equations, motion, h, RHO_INF, NEWTON).motion
         error = math.inf
         if new is not None:
-            error = local_error * h**2 * equations.size(new.a - motion.a)
+            error = largest_error(equations, motion, new, RHO_INF)
         if new is None or error > tolerance:
             h *= 0.5
             continue

@@ -162,6 +162,8 @@ class LinearModel:
 
 
 def _indices(names: Iterable[str], available: tuple[str, ...], what: str) -> list[int]:
+    if isinstance(names, str):
+        raise ValueError(f"{what} = {names!r} must be a list of names: give [{names!r}]")
     names = tuple(names)
     if missing := [name for name in names if name not in available]:
         raise ValueError(

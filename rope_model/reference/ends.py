@@ -31,7 +31,7 @@ _TO_POWERS = np.linalg.inv(
 
 
 @dataclass(frozen=True)
-class EndPath:
+class EndQuintic:
     """Motion of an end from one instant to the next."""
 
     start: float  #: s
@@ -48,14 +48,14 @@ class EndPath:
         return np.array([value, rate, second]) @ self.powers
 
 
-def resting(t: float, motion: EndMotion) -> EndPath:
+def resting(t: float, motion: EndMotion) -> EndQuintic:
     """Return the path to ``t`` (s) of an end that rests at the position of ``motion``."""
     powers = np.zeros((6, 4))
     powers[0] = (*motion.position, motion.yaw)
-    return EndPath(t - 1.0, t, powers)
+    return EndQuintic(t - 1.0, t, powers)
 
 
-def onwards(path: EndPath, t: float, motion: EndMotion, age: float) -> EndPath:
+def onwards(path: EndQuintic, t: float, motion: EndMotion, age: float) -> EndQuintic:
     """Return the path from the end of ``path`` to ``t`` (s).
 
     ``motion`` was given ``age`` (s) before ``t`` and goes on with its acceleration.
@@ -74,7 +74,7 @@ def onwards(path: EndPath, t: float, motion: EndMotion, age: float) -> EndPath:
         ]
     )
     units = np.array([[1.0], [h], [h * h]])
-    return EndPath(path.stop, t, _TO_POWERS @ np.vstack((units * first, units * last)))
+    return EndQuintic(path.stop, t, _TO_POWERS @ np.vstack((units * first, units * last)))
 
 
 def refusal(motion: EndMotion, side: str) -> str | None:
@@ -93,7 +93,7 @@ def refusal(motion: EndMotion, side: str) -> str | None:
     return None
 
 
-def peak_acceleration(path: EndPath) -> float:
+def peak_acceleration(path: EndQuintic) -> float:
     """Return the largest acceleration (m/s^2, rad/s^2) at the quarters of the path."""
     quarter = 0.25 * (path.stop - path.start)
     samples = [path.at(path.start + k * quarter)[2] for k in (1, 2, 3)]

@@ -8,11 +8,12 @@ E_mesh the change by transformations. Numerical damping makes the residual negat
 
 from dataclasses import dataclass, replace
 
+from rope_model.method.generalized_alpha import Motion
 from rope_model.method.swivel_phases import Phase
+from rope_model.physics.energy_balance import Powers
 from rope_model.physics.node import END_NODE, POSITION
 from rope_model.reference.ends import SENSE, YAW
 from rope_model.reference.equations import Equations
-from rope_model.reference.generalized_alpha import Motion
 from rope_model.reference.swivel import Ends
 
 
@@ -42,14 +43,6 @@ class Energies:
         return self.total - self.start - self.work_ends - self.transformations + lost
 
 
-@dataclass(frozen=True)
-class Powers:
-    """Powers at an instant, W."""
-
-    ends: float  #: of the conveyances on the rope and its swivels
-    swivels: float  #: dissipated by the swivels
-
-
 def with_energies(energies: Energies, equations: Equations, motion: Motion) -> Energies:
     """Return the balance with the energies of the ``motion``."""
     parts = equations.balance(motion.q, motion.v)
@@ -76,7 +69,7 @@ def after_step(
     return replace(
         with_energies(energies, equations, new),
         work_ends=energies.work_ends + 0.5 * h * (before.ends + after.ends),
-        dissipated_swivel=energies.dissipated_swivel + 0.5 * h * (before.swivels + after.swivels),
+        dissipated_swivel=energies.dissipated_swivel + 0.5 * h * (before.swivel + after.swivel),
         dissipated_material=energies.dissipated_material + h * middle["damping_power"],
         nonconservative=energies.nonconservative + h * middle["nonconservative_power"],
     )

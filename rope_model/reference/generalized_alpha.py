@@ -19,47 +19,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from rope_model.arrays import Array
+from rope_model.method.generalized_alpha import (
+    MAX_GROWTH,
+    Coefficients,
+    Motion,
+    local_error,
+    newton_coefficients,
+    recentring_time,
+)
 from rope_model.reference.equations import Equations
 from rope_model.reference.newton import Cause, Guess, solve
 
-#: growth of the step above which the acceleration's rate over the shorter step is mostly noise, and
-#: is not used
-MAX_GROWTH = 5.0
 TOLERANCE = 3e-6  #: m and rad, last correction of Newton's method
-
-
-@dataclass(frozen=True)
-class Motion:
-    """Motion at an instant; arrays are (nodes, 7), their columns m, 1 and rad, and per s or s^2."""
-
-    t: float  #: s
-    q: Array
-    v: Array
-    a: Array
-    b: Array  #: auxiliary acceleration
-    a_rate: Array  #: change of a over the step that led here, per time
-    h: float  #: s, length of that step; 0 after a restart
-    reaction: Array  #: R, N and N m: zero where free, else force and moment of the surroundings
-
-
-@dataclass(frozen=True)
-class Coefficients:
-    """Coefficients of the method (eq-coefficients)."""
-
-    alpha_m: float
-    alpha_f: float
-    gamma: float
-    beta: float
-
-    @property
-    def shift(self) -> float:
-        """Instant of b after that of a, in steps."""
-        return self.alpha_m - self.alpha_f
-
-    @property
-    def local_error(self) -> float:
-        """C, local error of q over h^2 times the change of the acceleration in a step."""
-        return abs(self.beta + 0.5 * self.shift - 1 / 6)
 
 
 @dataclass(frozen=True)
@@ -71,20 +42,11 @@ class Step:
     cause: Cause | None
 
 
-def coefficients(rho_inf: float) -> Coefficients:
-    """Return the coefficients for the spectral radius ``rho_inf`` at infinite frequency."""
-    alpha_m = (2 * rho_inf - 1) / (rho_inf + 1)
-    alpha_f = rho_inf / (rho_inf + 1)
-    gamma = 0.5 + alpha_f - alpha_m
-    beta = 0.25 * (1 + alpha_f - alpha_m) ** 2
-    return Coefficients(alpha_m, alpha_f, gamma, beta)
-
-
 def step(
     equations: Equations, old: Motion, h: float, rho_inf: float, tolerance: float = TOLERANCE
 ) -> Step:
     """Return a trial step of ``h`` (s); ``tolerance`` (m and rad) is that of Newton's method."""
-    method = coefficients(rho_inf)
+    method = Coefficients(rho_inf)
     alpha_m = method.alpha_m
     alpha_f = method.alpha_f
     beta = method.beta
@@ -93,7 +55,7 @@ def step(
     b_old = old.b
     a = old.a
     if 0 < h <= MAX_GROWTH * old.h:
-        b_old = old.b + method.shift * (h - old.h) * old.a_rate
+        b_old = old.b + recentring_time(method, h, old.h) * old.a_rate
         a = old.a + h * old.a_rate
 
     def auxiliary(a_new: Array) -> Array:
@@ -107,9 +69,8 @@ def step(
     v = np.where(equations.held, held_v, v)
     a = np.where(equations.held, held_a, a)
 
-    of_v = gamma / (beta * h)
-    of_a = (1 - alpha_m) / (beta * h * h * (1 - alpha_f))
-    found = solve(equations, Guess(q, v, a), (1.0, of_v, of_a), tolerance, prestress=old.q)
+    of_motion = newton_coefficients(method, h)
+    found = solve(equations, Guess(q, v, a), of_motion, tolerance, prestress=old.q)
     if found.cause is not None:
         return Step(None, found.corrections, found.cause)
     a_rate = (found.a - old.a) / h
@@ -133,7 +94,6 @@ def restart(equations: Equations, t: float, q: Array, v: Array) -> Motion:
     return Motion(t, q, v, a, a, np.zeros_like(a), 0.0, equations.residual(q, v, a))
 
 
-def local_error(equations: Equations, old: Motion, new: Motion, rho_inf: float) -> float:
+def largest_error(equations: Equations, old: Motion, new: Motion, rho_inf: float) -> float:
     """Return the largest local error (m and rad) of a step (docs/theory/time.md, eq-local)."""
-    constant = coefficients(rho_inf).local_error
-    return constant * new.h**2 * equations.size(new.a - old.a)
+    return float(local_error(Coefficients(rho_inf), new.h, equations.size(new.a - old.a)))

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rope_model.arrays import Array
+from rope_model.method.generalized_alpha import Motion
 from rope_model.method.swivel_phases import (
     Phase,
     SwivelState,
@@ -24,11 +25,10 @@ from rope_model.parameters import Scene
 from rope_model.physics.centreline import line_yaw
 from rope_model.physics.inextensible import left_leg_length
 from rope_model.physics.node import ANGLE, END_NODE, POSITION
-from rope_model.reference.ends import EndPath
+from rope_model.reference.ends import EndQuintic
 from rope_model.reference.energies import Energies, with_energies
 from rope_model.reference.equations import HEIGHT
-from rope_model.reference.generalized_alpha import Motion
-from rope_model.reference.mesh import Mesh, mesh_of
+from rope_model.reference.mesh import RopeMesh, mesh_of
 from rope_model.reference.outputs import nearest_turn, yaw_of
 from rope_model.reference.state import State
 from rope_model.reference.statics import StaticsError, find_equilibrium, hanging_guess
@@ -51,7 +51,7 @@ class Rest:
     turn: float  #: rad, of the right end's frame since the first guess: minus twice the loop's yaw
 
 
-def hang(scene: Scene, t: float, paths: tuple[EndPath, EndPath]) -> State:
+def hang(scene: Scene, t: float, paths: tuple[EndQuintic, EndQuintic]) -> State:
     """Return the rope at rest at ``t`` (s); StaticsError if there is no equilibrium."""
     straight = Ends(scene, paths, (_held(0.0), _held(scene.rope.installed_twist)), (0.0, 0.0))
     left, right = straight.motion(t, 2)[0, :, POSITION]
@@ -91,13 +91,13 @@ def hang(scene: Scene, t: float, paths: tuple[EndPath, EndPath]) -> State:
     )
 
 
-def _rest(ends: Ends, mesh: Mesh, guess: Array, t: float, turn: float = 0.0) -> Rest:
+def _rest(ends: Ends, mesh: RopeMesh, guess: Array, t: float, turn: float = 0.0) -> Rest:
     """Return the equilibrium near ``guess``, whose frame has turned by ``turn`` (rad) so far."""
     found = find_equilibrium(ends.equations(mesh, guess), guess, t)
     return Rest(_with_offset(ends, found.turn), found.q, found.reaction, turn + found.turn)
 
 
-def _twisted(rest: Rest, mesh: Mesh, twist: float, t: float) -> Rest:
+def _twisted(rest: Rest, mesh: RopeMesh, twist: float, t: float) -> Rest:
     """Return the rope with ``twist`` (rad) added in increments."""
     fraction = mesh.nodes_s / mesh.nodes_s[-1]
     size = TWIST_STEP

@@ -32,7 +32,7 @@ from rope_model.method.mesh_pattern import (
 from rope_model.parameters import Scene
 from rope_model.physics.elementary import nearest_whole
 from rope_model.physics.node import arc_lengths
-from rope_model.solver_parameters import Mesh as MeshParameters
+from rope_model.solver_parameters import Mesh
 
 #: lengths (l) of elements of I and VII, each at a multiple of its length from the end of the rope,
 #: so that its neighbours stay when it changes
@@ -40,10 +40,17 @@ LEG_LENGTHS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 #: least distance of an element of m l from segments II to VI over (m - 1) l
 DISTANCE_TO_LOOP = 2
 SAME_NODE = 1e-9  #: distance (l) below which two nodes are one
+PATTERN = (
+    "coarse",
+    "counts",
+    "end_levels",
+    "grading_length",
+)  #: fields of a RopeMesh but its lengths
+ROUNDING = 1e-12  #: share of the rope's length by which equal element lengths may differ
 
 
 @dataclass(frozen=True)
-class Mesh:
+class RopeMesh:
     """Partition of the rope; for TMN-ETM also its pattern."""
 
     lengths: Array  #: of the elements from left to right (elements,), m
@@ -58,7 +65,7 @@ class Mesh:
         return arc_lengths(self.lengths)
 
 
-def fitted(scene: Scene) -> MeshParameters:
+def fitted(scene: Scene) -> Mesh:
     """Return the mesh that the scene asks for; 'auto' is fitted to the rope (eq-locking)."""
     given = scene.mesh
     if given.kind != "auto":
@@ -66,8 +73,8 @@ def fitted(scene: Scene) -> MeshParameters:
     loop_error = given.loop_error or MESH_SHARE * scene.accuracy.loop
     lengths = fit_elements(scene, loop_error, math.log10(FADE_ERROR / loop_error))
     if lengths.equal:
-        return MeshParameters(kind="eem", elements=int(lengths.equal))
-    return MeshParameters(
+        return Mesh(kind="eem", elements=int(lengths.equal))
+    return Mesh(
         kind="tmn",
         coarse_length=lengths.coarse,
         counts=(2, 0, int(lengths.fine), 0, 2),
@@ -76,12 +83,12 @@ def fitted(scene: Scene) -> MeshParameters:
     )
 
 
-def mesh_of(scene: Scene, bottom_s: float) -> Mesh:
+def mesh_of(scene: Scene, bottom_s: float) -> RopeMesh:
     """Return the mesh of a rope whose lowest point is at arc length ``bottom_s`` (m)."""
     given = fitted(scene)
     length = scene.rope.length
     if given.kind == "eem":
-        return Mesh(np.full(given.elements, length / given.elements))
+        return RopeMesh(np.full(given.elements, length / given.elements))
     inner = float(inner_length(given.counts))  # l
     outer = int(nearest_whole(length / given.coarse_length - inner))  # l, of I and VII
     if outer < 2:
@@ -94,20 +101,50 @@ def mesh_of(scene: Scene, bottom_s: float) -> Mesh:
     first = int(nearest_whole(bottom_s / coarse - 0.5 * inner))
     first = min(max(first, min_elements), outer - min_elements)
     counts = (first, *given.counts, outer - first)
-    pattern = Mesh(np.empty(0), coarse, counts, given.end_levels, given.grading_length)
-    return replace(pattern, lengths=coarse * np.diff(_nodes(pattern)))
+    pattern = RopeMesh(np.empty(0), coarse, counts, given.end_levels, given.grading_length)
+    return with_lengths(pattern)
 
 
-def transformed(mesh: Mesh, bottom_s: float) -> Mesh:
+def with_lengths(pattern: RopeMesh) -> RopeMesh:
+    """Return the pattern of TMN-ETM with the lengths of its elements."""
+    return replace(pattern, lengths=pattern.coarse * np.diff(_nodes(pattern)))
+
+
+def require_mesh_of(scene: Scene, mesh: RopeMesh) -> None:
+    """Raise ValueError unless ``mesh`` is one of the scene, with its pattern at any place."""
+    expected = mesh_of(scene, 0.5 * scene.rope.length)
+    fits = True
+    if expected.coarse > 0:
+        first = mesh.counts[0]
+        outer = expected.counts[0] + expected.counts[-1]
+        least = int(min_outer(expected.counts[1:6]))
+        fits = least <= first <= outer - least
+        expected = replace(expected, counts=(first, *expected.counts[1:6], outer - first))
+        if fits:
+            expected = with_lengths(expected)
+    fits = (
+        fits
+        and all(getattr(mesh, name) == getattr(expected, name) for name in PATTERN)
+        and mesh.lengths.shape == expected.lengths.shape
+        and bool(np.all(abs(mesh.lengths - expected.lengths) <= ROUNDING * scene.rope.length))
+    )
+    if not fits:
+        raise ValueError(
+            f"the state's mesh of {mesh.lengths.size} elements on {mesh.lengths.sum():g} m must be "
+            f"that of the scene, {expected.lengths.size} elements on {scene.rope.length:g} m: "
+            "restore it into a rope with the same mesh"
+        )
+
+
+def transformed(mesh: RopeMesh, bottom_s: float) -> RopeMesh:
     """Return the mesh for a loop at ``bottom_s`` (m): ``mesh`` itself where it still serves."""
     while direction := int(transformation_due(mesh, bottom_s, DUE_EARLY)):
         counts = (mesh.counts[0] + direction, *mesh.counts[1:6], mesh.counts[6] - direction)
-        moved = replace(mesh, counts=counts)
-        mesh = replace(moved, lengths=mesh.coarse * np.diff(_nodes(moved)))
+        mesh = with_lengths(replace(mesh, counts=counts))
     return mesh
 
 
-def _nodes(pattern: Mesh) -> Array:
+def _nodes(pattern: RopeMesh) -> Array:
     """Return the arc lengths (l) of the nodes of TMN-ETM.
 
     Near an end of the rope the pattern continues beyond it, and the end cuts it off.

@@ -15,23 +15,24 @@ from rope_model.boundary.end_paths import RESTS_BELOW, EndMotion
 from rope_model.boundary.point_forces import PointForces
 from rope_model.fidelity.choice import Fidelity
 from rope_model.interface import BalanceRope, Snapshot, Status
+from rope_model.messages import messages
+from rope_model.method.stepping import MAX_START_TIME, MAX_STEPS, MIN_INTERVAL
 from rope_model.parameters import Scene
 from rope_model.physics.node import ANGLE, SIDES
 from rope_model.reference.ends import onwards, peak_acceleration, refusal, resting
 from rope_model.reference.equations import HEIGHT
 from rope_model.reference.hanging import hang
-from rope_model.reference.mesh import mesh_of
+from rope_model.reference.mesh import mesh_of, require_mesh_of
 from rope_model.reference.newton import Cause, Failure
 from rope_model.reference.outputs import NAMES, group_of
 from rope_model.reference.scope import require_published
-from rope_model.reference.state import State
+from rope_model.reference.state import State, require_finite
 from rope_model.reference.statics import StaticsError
 from rope_model.reference.stepping import step_towards
+from rope_model.saved_state import require_form, require_same_rope, state_behind_label
 from rope_model.signals.signal_table import checked_names
 from rope_model.state import RopeState
 
-SHORTEST_ADVANCE = 1e-9  #: s, a shorter one succeeds without a step
-MAX_STEPS = 20_000  #: accepted steps of an advance
 CURE = "take the engine, balance_rope(scene)"
 
 
@@ -84,6 +85,8 @@ class ReferenceRope(BalanceRope):
         return self._state
 
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
+        if not abs(t) <= MAX_START_TIME:
+            return Status(False, messages.start_time_out_of_range(t, MAX_START_TIME))
         for side, motion in zip(SIDES, (left, right), strict=True):
             message = refusal(motion, side)
             if message is not None:
@@ -107,18 +110,12 @@ class ReferenceRope(BalanceRope):
         scene = self._scene
         before = self.state
         start = before.motion.t
-        if abs(t - start) < SHORTEST_ADVANCE:
+        if abs(t - start) < MIN_INTERVAL:
             return Status(True)
-        if not (math.isfinite(t) and t > start):
-            return Status(False, f"t = {t:g} s must be after {start:g} s: give the end of the step")
+        message = self._time_refused(t, t if given_at is None else given_at)
+        if message is not None:
+            return Status(False, message)
         age = 0.0 if given_at is None else t - given_at
-        earliest = start - scene.inputs.hold_max
-        if not earliest <= t - age <= t + SHORTEST_ADVANCE:
-            return Status(
-                False,
-                f"given_at = {t - age:g} s must be between {earliest:g} s and {t:g} s: "
-                "give the instant of the motions",
-            )
         paths = []
         for side, path, motion in zip(SIDES, before.paths, (left, right), strict=True):
             message = refusal(motion, side)
@@ -152,6 +149,19 @@ class ReferenceRope(BalanceRope):
         self._state = replace(state, force_mean=(float(mean[0]), float(mean[1])))
         return Status(True)
 
+    def _time_refused(self, t: float, given_at: float) -> str | None:
+        """Return None if the rope can advance to ``t`` with motions of ``given_at`` (s); else the message."""
+        start = self.state.motion.t
+        if not (math.isfinite(t) and t > start):
+            return messages.time_goes_back(start, t)
+        step_max = self._scene.solver.step_max
+        if t - start > MAX_STEPS * step_max:
+            return messages.too_far_at_once(start, t, MAX_STEPS, step_max, MAX_STEPS * step_max)
+        earliest = start - self._scene.inputs.hold_max
+        if not earliest <= given_at <= t + MIN_INTERVAL:
+            return messages.motions_of_another_time(given_at, earliest, t)
+        return None
+
     def signals(self, names: Iterable[str] | None = None) -> dict[str, float]:
         wanted = NAMES if names is None else checked_names(names)
         values: dict[str, float] = {}
@@ -177,25 +187,32 @@ class ReferenceRope(BalanceRope):
     def warnings(self) -> dict[str, str]:
         return {}
 
-    def save(self) -> bytes:
-        return self.state.to_bytes()
-
     def snapshot(self) -> Snapshot:
-        return Snapshot(self.state, _no_engine_state)
+        return Snapshot(self.form, self._scene, self.state, _no_engine_state, State.to_bytes)
 
-    def restore(self, data: bytes | RopeState | Snapshot) -> None:
-        kept = data.kept if isinstance(data, Snapshot) else data
-        state = State.from_bytes(kept) if isinstance(kept, bytes) else kept
-        if not isinstance(state, State):
-            raise ValueError("this is a state of the engine: restore one of the reference rope")
-        saved = float(state.mesh.lengths.sum())
-        length = self._scene.rope.length
-        if not math.isclose(saved, length):
-            raise ValueError(
-                f"this is a state of a rope of {saved:g} m and must be one of {length:g} m: "
-                "restore it into a rope with the same parameters"
+    def restore(self, data: bytes | RopeState | State | Snapshot) -> None:
+        if isinstance(data, bytes):
+            self._state = self._fitting(
+                State.from_bytes(state_behind_label(data, self.form, self._scene))
             )
-        self._state = state
+            return
+        if isinstance(data, Snapshot):
+            require_form(data.form, self.form)
+            require_same_rope(data.scene, self._scene)
+            self._state = data.kept
+            return
+        if not isinstance(data, State):
+            raise ValueError(
+                f"a {type(data).__name__} must be a State of rope_model.reference.state, bytes of "
+                "save() or a Snapshot: give one of the reference rope"
+            )
+        self._state = self._fitting(data)
+
+    def _fitting(self, state: State) -> State:
+        """Return the state; ValueError unless it is one of this rope's mesh, in finite numbers."""
+        require_mesh_of(self._scene, state.mesh)
+        require_finite(state)
+        return state
 
     def _retune(self, scene: Scene) -> None:
         require_published(scene)

@@ -6,27 +6,29 @@ A state never changes: a step makes a new one, and the old one serves a return.
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass, fields, is_dataclass, replace
 from enum import Enum
-from typing import NamedTuple, TypeAlias, get_args, get_origin, get_type_hints
+from typing import NamedTuple, TypeAlias, get_args, get_type_hints
 
 import numpy as np
 
 from rope_model.arrays import Array
+from rope_model.method.generalized_alpha import Motion
 from rope_model.method.swivel_phases import SwivelState
 from rope_model.parameters import Scene
+from rope_model.physics.element import NODE_DOF
 from rope_model.physics.inextensible import left_leg_length
 from rope_model.physics.node import ANGLE
-from rope_model.reference.ends import EndPath
+from rope_model.reference.ends import EndQuintic
 from rope_model.reference.energies import Energies
 from rope_model.reference.equations import Equations
-from rope_model.reference.generalized_alpha import Motion
-from rope_model.reference.mesh import Mesh
+from rope_model.reference.mesh import RopeMesh
 from rope_model.reference.swivel import Ends
 
 
 @dataclass(frozen=True)
-class Counts:
+class StepCounts:
     """Numbers since the start."""
 
     steps: int = 0
@@ -38,8 +40,8 @@ class Counts:
     swivel_events: int = 0
 
 
-class Event(NamedTuple):
-    """Event between two steps."""
+class LoggedEvent(NamedTuple):
+    """LoggedEvent between two steps."""
 
     t: float  #: s
     what: str
@@ -50,8 +52,8 @@ class State:
     """Complete state of a rope between conveyances."""
 
     motion: Motion
-    mesh: Mesh
-    paths: tuple[EndPath, EndPath]
+    mesh: RopeMesh
+    paths: tuple[EndQuintic, EndQuintic]
     swivels: tuple[SwivelState, SwivelState]
     offsets: tuple[float, float]  #: rad, of theta at both ends: see ``swivel``
     loop_yaw: float  #: rad, at the lowest node, counted through full turns
@@ -59,8 +61,8 @@ class State:
     calm_since: float  #: s, instant of the last step whose error was not small
     force_mean: tuple[float, float]  #: N, vertical force on the conveyances over the last advance
     energies: Energies
-    counts: Counts = Counts()
-    events: tuple[Event, ...] = ()  #: of the last advance
+    counts: StepCounts = StepCounts()
+    events: tuple[LoggedEvent, ...] = ()  #: of the last advance
 
     @property
     def last_interval(self) -> float:
@@ -120,6 +122,25 @@ class State:
         return state
 
 
+def require_finite(state: State) -> None:
+    """Raise ValueError unless the motion has finite numbers for each node of the mesh."""
+    shape = (state.mesh.lengths.size + 1, NODE_DOF)
+    m = state.motion
+    arrays = {"q": m.q, "v": m.v, "a": m.a, "b": m.b, "a_rate": m.a_rate, "reaction": m.reaction}
+    for name, values in arrays.items():
+        if values.shape != shape or not np.isfinite(values).all():
+            raise ValueError(
+                f"{name} of the state must be finite numbers {shape} of the mesh's nodes: "
+                "restore what state or save() of the reference rope returned"
+            )
+    for name, value in (("t", m.t), ("h", m.h), ("step_next", state.step_next)):
+        if not math.isfinite(value):
+            raise ValueError(
+                f"{name} = {value:g} s of the state must be finite: "
+                "restore what state or save() of the reference rope returned"
+            )
+
+
 def _with_more_angle(x: Array, more: Array) -> Array:
     """Return the rows of nodes ``x`` (nodes, 7) with ``more`` (nodes,) added to their angles."""
     x = x.copy()
@@ -152,7 +173,7 @@ def _from_json(kind: type, content: JsonValue) -> object:
     if isinstance(content, dict):
         hints = get_type_hints(kind)
         return kind(**{name: _from_json(hints[name], value) for name, value in content.items()})
-    if get_origin(kind) is np.ndarray:
+    if kind == Array:
         return np.array(content, dtype=np.float64)
     if isinstance(content, list) and hasattr(kind, "_fields"):
         parts = list(get_type_hints(kind).values())

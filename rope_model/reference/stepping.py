@@ -10,6 +10,7 @@ of the step in which that becomes due.
 import math
 from dataclasses import dataclass, replace
 
+from rope_model.method.generalized_alpha import Coefficients, Motion, local_error
 from rope_model.method.step_control import (
     ACCEPT_BELOW,
     AcceptedStep,
@@ -31,17 +32,10 @@ from rope_model.parameters import Scene
 from rope_model.physics.node import ANGLE, END_NODE, SIDES
 from rope_model.reference.energies import after_step
 from rope_model.reference.equations import HEIGHT, STRETCH, Equations
-from rope_model.reference.generalized_alpha import (
-    Motion,
-    Step,
-    coefficients,
-    local_error,
-    restart,
-    step,
-)
+from rope_model.reference.generalized_alpha import Step, largest_error, restart, step
 from rope_model.reference.newton import Cause, Failure
 from rope_model.reference.outputs import nearest_turn, yaw_of
-from rope_model.reference.state import Event, State
+from rope_model.reference.state import LoggedEvent, State
 from rope_model.reference.swivel import Ends, slip, stick
 from rope_model.reference.transformation import with_mesh_for
 
@@ -155,13 +149,14 @@ def _error(scene: Scene, state: State, equations: Equations, trial: Step) -> flo
     if new is None:
         return math.inf
     old = state.motion
-    constant = coefficients(scene.solver.rho_inf).local_error
+    method = Coefficients(scene.solver.rho_inf)
+    constant = float(local_error(method, 1.0, 1.0))
     bottom = state.bottom_s(scene, old.t)
     end_speed = float(old.v[0, HEIGHT] - old.v[-1, HEIGHT])
     limits = step_limits(scene, ErrorSums(), bottom, end_speed, constant)
-    position = local_error(equations, old, new, scene.solver.rho_inf)
+    position = largest_error(equations, old, new, scene.solver.rho_inf)
     change = max(abs(float(new.a[node, STRETCH] - old.a[node, STRETCH])) for node in END_NODE)
-    return float(step_error(limits, new.h, position, constant * new.h**2 * change))
+    return float(step_error(limits, new.h, position, float(local_error(method, new.h, change))))
 
 
 # swivels
@@ -232,7 +227,7 @@ def _switched(scene: Scene, state: State) -> State:
         phase = _next_phase(scene, state, side)
         state = _with_swivel(state, side, phase)
         what = "sticks" if phase.phase is Phase.STICK else f"slips {'+' if phase.sign > 0 else '-'}"
-        event = Event(state.motion.t, f"{name} swivel {what}")
+        event = LoggedEvent(state.motion.t, f"{name} swivel {what}")
         state = replace(state, events=(*state.events, event)).counted(swivel_events=1)
     return _restarted(scene, state)
 

@@ -21,15 +21,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from rope_model.arrays import Array
+from rope_model.method.generalized_alpha import Motion
 from rope_model.method.swivel_phases import Phase, SwivelState, moment_of_swivel, swivel_excess
 from rope_model.parameters import Scene, Swivel
 from rope_model.physics.element import NODE_DOF, parameters
 from rope_model.physics.node import ANGLE, END_NODE, POSITION
 from rope_model.physics.swivel import friction_moment
-from rope_model.reference.ends import SENSE, YAW, EndPath
+from rope_model.reference.ends import SENSE, YAW, EndQuintic
 from rope_model.reference.equations import ALONG, HEIGHT, STRETCH, Equations, frame_at
-from rope_model.reference.generalized_alpha import Motion
-from rope_model.reference.mesh import Mesh
+from rope_model.reference.mesh import RopeMesh
 
 
 @dataclass(frozen=True)
@@ -37,11 +37,11 @@ class Ends:
     """Both ends of a rope between conveyances."""
 
     scene: Scene
-    paths: tuple[EndPath, EndPath]
+    paths: tuple[EndQuintic, EndQuintic]
     swivels: tuple[SwivelState, SwivelState]
     offsets: tuple[float, float]  #: rad
 
-    def equations(self, mesh: Mesh, q: Array) -> Equations:
+    def equations(self, mesh: RopeMesh, q: Array) -> Equations:
         """Return the equations on ``mesh``; ``q`` is the reference of the frame."""
         held = np.zeros(q.shape, dtype=bool)
         inertia = np.zeros_like(q)

@@ -19,7 +19,7 @@ from rope_model.parameters import Scene
 from rope_model.reference.energies import with_energies
 from rope_model.reference.mesh import transformed
 from rope_model.reference.newton import Cause, Failure, Guess, solve
-from rope_model.reference.state import Event, State
+from rope_model.reference.state import LoggedEvent, State
 from rope_model.reference.transfer import transferred
 
 FIELDS = ("q", "v", "a", "b", "a_rate")
@@ -56,5 +56,5 @@ def with_mesh_for(scene: Scene, state: State, t: float) -> State | Failure:
     after = with_energies(state.energies, relaxed.equations(scene), relaxed.motion)
     change = after.total - state.energies.total
     energies = replace(after, transformations=after.transformations + change)
-    events = (*state.events, Event(m.t, "transformation"))
+    events = (*state.events, LoggedEvent(m.t, "transformation"))
     return replace(relaxed, energies=energies, events=events).counted(transformations=1)

@@ -205,6 +205,11 @@ def checked_names(names: Iterable[str] | None) -> tuple[str, ...]:
     """Return the names of signals; by default all but the added masses, which cost as much as a step."""
     if names is None:
         return _CHEAP
+    if isinstance(names, str):
+        raise ValueError(
+            f"names = {names!r} is one text and must be a list of names of SIGNALS: "
+            f"give [{names!r}]"
+        )
     wanted = tuple(names)
     for name in wanted:
         if name not in SIGNALS:

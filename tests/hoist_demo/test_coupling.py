@@ -467,6 +467,29 @@ def test_a_failure_saves_the_last_good_state_and_the_run_resumes_to_the_same_bit
         assert_array_equal(resumed.recording[name], values, name)
 
 
+@pytest.mark.parametrize(
+    "scheme",
+    [
+        "gauss-seidel-1",
+        "semi-implicit-0",
+        "semi-implicit-1",
+        "impulse-preserving",
+        "iterative-secant",
+        "energy-controlled",
+    ],
+)
+def test_a_stopped_run_of_every_kind_of_scheme_resumes_to_the_same_bits(
+    scheme: str, tmp_path: Path
+) -> None:
+    whole = wind(scheme)
+    stopped = wind(scheme, progress=lambda fraction, t: t < 0.1, save_to=tmp_path / "kept.npz")
+    assert stopped.saved is not None
+    resumed = wind(scheme, resume=Checkpoint.read(stopped.saved))
+    assert resumed.completed, resumed.cause
+    for name, values in whole.recording.signals.items():
+        assert_array_equal(resumed.recording[name], values, name)
+
+
 def test_a_run_may_resume_with_another_scheme_but_not_as_another_trip(tmp_path: Path) -> None:
     stopped = wind("impulse-preserving", progress=lambda fraction, t: t < 0.1)
     assert stopped.checkpoint is not None

@@ -16,6 +16,7 @@ from checkout import EXAMPLES, ROOT
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
+from shares import share_of
 
 from hoist_demo.calibration import measurements
 from hoist_demo.calibration.definition import MeasurementFile
@@ -449,7 +450,7 @@ def test_samples_fill_the_ranges_and_make_the_ropes(tmp_path: Path) -> None:
     samples = draw(asked)
     shares = []
     for values in samples:
-        shares.append([asked.data[name].share(x) for name, x in values.items()])
+        shares.append([share_of(asked.data[name], x) for name, x in values.items()])
     # eight points of a Sobol sequence: one in each eighth of each range
     assert_allclose(np.sort(np.floor(8 * np.array(shares)), axis=0), np.arange(8)[:, None] + [0, 0])
     run = asked.run(samples[0])
@@ -714,7 +715,7 @@ def test_mass_is_that_of_the_standard() -> None:
 def test_shares_of_a_range(datum: Datum) -> None:
     assert_allclose([datum.at(0), datum.at(1)], [datum.low, datum.high])
     assert_allclose(datum.at(0.5), datum.middle)
-    assert_allclose(datum.share(datum.at(0.3)), 0.3)
+    assert_allclose(share_of(datum, datum.at(0.3)), 0.3)
 
 
 @pytest.mark.parametrize(

@@ -303,6 +303,8 @@ def test_small_models_are_written_and_scheduled(tmp_path: Path) -> None:
         linearise(find_case("rope-120"), [1.5])
     with pytest.raises(ValueError, match="outputs speed must be among rate"):
         models[0].selected(TORQUE, ["speed"])
+    with pytest.raises(ValueError, match=r"outputs = 'rate' must be a list of names"):
+        models[0].selected(TORQUE, "rate")
 
 
 def test_ropes_that_differ_in_their_names_alone_are_equal_ones(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import pytest
 from measured_tracks import Array, camera, example, markers
 from numpy.testing import assert_allclose
 from scipy.optimize import least_squares
+from shares import share_of
 
 from hoist_demo.calibration import tracks
 from hoist_demo.calibration.definition import MeasurementFile
@@ -27,7 +28,7 @@ def track_of(path: Path) -> tuple[Any, Markers]:
 
 
 def true_shares(problem: Any) -> Array:
-    return np.array([problem.data[name].share(camera().TRUTH[name]) for name in problem.names])
+    return np.array([share_of(problem.data[name], camera().TRUTH[name]) for name in problem.names])
 
 
 def test_the_residuals_of_the_true_rope_are_noise(tmp_path: Path) -> None:

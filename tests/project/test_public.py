@@ -44,6 +44,7 @@ from rope_model import (
     PointForces,
     Rope,
     Scene,
+    Solver,
     balance_rope,
     engine,
     public,
@@ -144,8 +145,41 @@ def test_signals_are_read_by_name_in_the_order_asked_for() -> None:
     assert rope.signals(["left.added_mass"])["left.added_mass"] == rope.added_mass()[0]
     with pytest.raises(ValueError, match=r"'left\.force' is no signal"):
         rope.signals(["left.fy", "left.force"])
+    for read in (rope.signals, rope.reader):
+        with pytest.raises(ValueError, match=r"'left\.fy' is one text .* give \['left\.fy'\]"):
+            read("left.fy")
     assert rope.advance_to(2.1, EndMotion(), EndMotion(y=10.0)).valid
     assert rope.signals(names)["count.steps"] > some["count.steps"]
+
+
+NO_NUMBERS = (None, True, np.True_, np.array(60.0), [60.0], 60 + 0j)
+
+
+@pytest.mark.parametrize("value", NO_NUMBERS, ids=repr)
+def test_a_parameter_that_is_no_number_is_refused_with_value_bound_and_cure(value: Any) -> None:
+    for make, name in (
+        (lambda: Rope(length=value), "length"),
+        (lambda: Mesh(elements=value), "elements"),
+        (lambda: Mesh(counts=(2, 4, value, 4, 2)), "element count of segment IV"),
+        (lambda: Solver(step_max=value), "step_max"),
+        (lambda: public.rope("34x7", diameter=value), "diameter"),
+        (lambda: public.rope("34x7", 0.046).rope(axial_stiffness=value), "axial_stiffness"),
+    ):
+        with pytest.raises(ValueError, match=re.escape(f"{name} = {value!r}")) as refused:
+            make()
+        assert str(refused.value).endswith(
+            "must be a number; give one, or leave it out for the default"
+        )
+
+
+def test_numbers_of_numpy_and_whole_numbers_without_a_fraction_are_parameters() -> None:
+    assert Rope(length=np.float32(60.0)).length == Rope(length=np.int64(60)).length == 60.0
+    assert Mesh(elements=16.0).elements == 16  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"elements = 16\.5 .* a whole number; leave out"):
+        Mesh(elements=16.5)  # type: ignore[arg-type]
+    for wrong in (None, 5, (2, 4)):
+        with pytest.raises(ValueError, match=r"counts = .* must be five numbers"):
+            Mesh(counts=wrong)  # type: ignore[arg-type]
 
 
 def test_a_rope_is_the_engine_by_default_and_keeps_its_data_during_a_run() -> None:

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from shared import Array
 
-from rope_model.reference.generalized_alpha import MAX_GROWTH, Motion, restart, step
+from rope_model.method.generalized_alpha import MAX_GROWTH, Motion
+from rope_model.reference.generalized_alpha import restart, step
 from rope_model.reference.newton import Cause
 
 #: step patterns, repeated: the ratios stay the same when the steps are refined

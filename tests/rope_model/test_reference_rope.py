@@ -36,13 +36,14 @@ from rope_model import (
     balance_rope,
 )
 from rope_model.arrays import Array
+from rope_model.method.generalized_alpha import Motion
 from rope_model.physics.element import element_functions
 from rope_model.physics.hermite import missing_load
 from rope_model.physics.node import ANGLE, arc_lengths
 from rope_model.reference import generalized_alpha, newton, statics, transformation
 from rope_model.reference.elements import GROUP, over_elements
 from rope_model.reference.equations import Equations
-from rope_model.reference.generalized_alpha import Motion
+from rope_model.reference.mesh import mesh_of, require_mesh_of, transformed
 from rope_model.reference.outputs import NAMES
 from rope_model.reference.rope import ReferenceRope
 from rope_model.reference.scope import NO_BODIES, PUBLISHED
@@ -409,12 +410,60 @@ def test_saved_rope_goes_on_to_the_bit() -> None:
 
 def test_bytes_of_something_else_are_refused() -> None:
     rope = balance_rope(FEW.scene(0.02), "reference")
+    for wrong in (b"{}", b"", b"balance rope state {}\n", b"\xe9"):
+        with pytest.raises(ValueError, match=r"must be a saved state of a rope: give .* save\(\)"):
+            rope.restore(wrong)
+    label, _, state = hung(rope).save().partition(b"\n")
     with pytest.raises(ValueError, match="no state of the reference rope"):
-        rope.restore(b"{}")
-    saved = hung(rope).save()
-    longer = balance_rope(Scene(rope=Rope(length=31.0), mesh=EQUAL), "reference")
-    with pytest.raises(ValueError, match="20 m and must be one of 31 m"):
-        longer.restore(saved)
+        rope.restore(label + b"\n" + state[:-1])
+    with pytest.raises(ValueError, match="must be finite"):
+        rope.restore(label + b"\n" + state.replace(b'"h": 0.0', b'"h": NaN'))
+
+
+def test_a_state_of_another_mesh_is_refused() -> None:
+    scene = replace(FEW, mesh=SMALL_TMN).scene(0.02)
+    rope = hung(balance_rope(scene, "reference"))
+    other = hung(balance_rope(FEW.scene(0.02), "reference"))
+    before = other.state
+    for one, another in ((rope, other), (other, rope)):
+        with pytest.raises(ValueError, match=r"the state's mesh of .* must be that of the scene"):
+            one.restore(another.state)
+    assert other.state is before
+    other.restore(before)
+    moved = transformed(rope.state.mesh, 0.5 * scene.rope.length + rope.state.mesh.coarse)
+    assert moved is not rope.state.mesh
+    require_mesh_of(scene, moved)
+    equal = {n: Scene(rope=Rope(length=30.0), mesh=Mesh("eem", elements=n)) for n in (30, 59)}
+    with pytest.raises(ValueError, match=r"mesh of 59 elements on 30 m must be .* 30 elements"):
+        require_mesh_of(equal[30], mesh_of(equal[59], 15.0))
+
+
+@pytest.mark.parametrize("t", [math.nan, math.inf, -2e10, 1e12, 1e300])
+def test_a_start_time_beyond_the_bound_is_refused_with_the_engine_s_words(t: float) -> None:
+    scene = FEW.scene(0.02)
+    said = [balance_rope(scene, form).initialize(t, REST, REST) for form in ("reference", "native")]
+    assert said[0] == said[1]
+    assert not said[0].valid
+    assert "the start time" in said[0].message
+
+
+def test_a_time_that_no_advance_reaches_is_refused_with_the_engine_s_words() -> None:
+    scene = FEW.scene(0.02)
+    ropes = [hung(balance_rope(scene, form)) for form in ("reference", "native")]
+    for t, given_at, words in (
+        (math.nan, None, "time must go forward"),
+        (math.inf, None, "time must go forward"),
+        (-0.5, None, "time must go forward"),
+        (1e300, None, "at once"),
+        (500.0, None, "at once"),
+        (0.01, math.nan, "the ends' motions are of"),
+        (0.01, math.inf, "the ends' motions are of"),
+        (0.01, -2.0, "the ends' motions are of"),
+    ):
+        said = [rope.advance_to(t, REST, REST, given_at) for rope in ropes]
+        assert said[0] == said[1]
+        assert words in said[0].message
+    assert [rope.time for rope in ropes] == [0.0, 0.0]
 
 
 def shaken(t: float) -> Ends:
@@ -540,10 +589,12 @@ def test_reference_shares_tables_and_rules_with_the_engine_and_no_control_flow()
         "boundary",
         "fidelity",
         "interface",
+        "messages",
         "method",
         "parameters",
         "physics",
         "reference",
+        "saved_state",
         "scene_names",
         "signals",
         "solver_parameters",

@@ -14,7 +14,7 @@ import guard_scenes
 import pytest
 import self_contact_scenes
 import wire_scenes
-from scenes import Ends, going_aside, past_each_other, wound
+from scenes import Ends, going_aside, hung, past_each_other, wound
 from unfit_motions import unfit
 
 from rope_model import (
@@ -131,13 +131,62 @@ def test_a_rope_goes_on_from_a_saved_state_bit_by_bit(name: str) -> None:
     rope = wound(balance_rope(case.scene), case.motion, case.saved, case.h)
     saved = rope.save()
     kept = rope.snapshot()
+    assert kept.to_bytes() == saved
+    added_mass = rope.added_mass()
     rest = case.motion, case.steps - case.saved, case.h, case.saved
     end = wound(rope, *rest).save()
     assert case.acted(rope.state)
     for again, state in ((rope, kept), (rope, saved), (balance_rope(case.scene), saved)):
         again.restore(state)
         assert again.save() == saved
+        assert again.added_mass() == added_mass
         assert wound(again, *rest).save() == end
+
+
+def test_saved_states_belong_to_their_fixed_parameters_alone() -> None:
+    scene = Scene(rope=Rope(length=60.0), model=Model("rigid"))
+    stiffer = scene.with_(rope=replace(scene.rope, Qa=2 * scene.rope.Qa))
+    tuned = scene.with_(solver=replace(scene.solver, step_max=0.5 * scene.solver.step_max))
+    rope = hung(balance_rope(scene))
+    other = balance_rope(stiffer)
+    for state in (rope.save(), rope.snapshot()):
+        with pytest.raises(ValueError, match=r"another rope: rope\.Qa = .* must be .* same param"):
+            other.restore(state)
+        fitting = balance_rope(tuned)
+        fitting.restore(state)
+        assert fitting.snapshot().kept == rope.snapshot().kept
+
+
+def test_each_form_refuses_the_states_of_the_other_in_a_sentence() -> None:
+    scene = Scene(rope=Rope(length=20.0), mesh=Mesh("eem", elements=16))
+    native = hung(balance_rope(scene))
+    reference = hung(balance_rope(scene, "reference"))
+    for rope, other in ((native, reference), (reference, native)):
+        before = rope.save()
+        sentence = f"a state of the {other.form} rope and must be one of the {rope.form} rope"
+        for state in (other.save(), other.snapshot()):
+            with pytest.raises(ValueError, match=sentence):
+                rope.restore(state)
+        with pytest.raises(ValueError, match=f"must be a .* one of the {rope.form} rope"):
+            rope.restore(other.state)
+        assert rope.save() == before
+
+
+def test_bytes_that_are_no_saved_state_of_this_version_are_refused() -> None:
+    scene = Scene(rope=Rope(length=60.0), model=Model("rigid"))
+    rope = hung(balance_rope(scene))
+    saved = rope.save()
+    for wrong in (b"", b"x", b"balance rope state []\n", saved[9:]):
+        with pytest.raises(ValueError, match=r"must be a saved state of a rope: give .* save\(\)"):
+            rope.restore(wrong)
+    label, _, state = saved.partition(b"\n")
+    with pytest.raises(ValueError, match="the layout of another version"):
+        rope.restore(label + b"\n" + bytes([state[0] ^ 1]) + state[1:])
+    with pytest.raises(ValueError, match="the parameters of another version"):
+        rope.restore(label.replace(b'"rope.Qa"', b'"rope.QA"') + b"\n" + state)
+    with pytest.raises(ValueError, match="bytes"):
+        rope.restore(saved[:-8])
+    assert rope.save() == saved
 
 
 @pytest.mark.parametrize("name", ["wind and a floor", "bodies"])

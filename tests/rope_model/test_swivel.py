@@ -24,7 +24,7 @@ from rope_model import (
 from rope_model.method.statics import lacks_symmetry
 from rope_model.method.swivel_phases import Phase, SwivelState, swivel_excess
 from rope_model.physics.swivel import friction_moment
-from rope_model.reference.ends import SENSE, EndPath, onwards
+from rope_model.reference.ends import SENSE, EndQuintic, onwards
 from rope_model.reference.rope import ReferenceRope
 from rope_model.reference.swivel import Ends as ReferenceEnds
 from rope_model.state import Event
@@ -74,7 +74,7 @@ def test_stick_does_not_creep() -> None:
         assert abs(rate) < 1e-12
 
 
-class Stopping(EndPath):
+class Stopping(EndQuintic):
     """Path that rests after its end."""
 
     def at(self, t: float) -> np.ndarray:

@@ -130,20 +130,20 @@ class InProcessRope:
     def save(self) -> rope_model.Snapshot:
         return self._rope.snapshot()
 
-    def restore(self, snapshot: rope_model.Snapshot | rope_model.RopeState) -> None:
+    def restore(self, snapshot: rope_model.Snapshot | bytes) -> None:
         self._rope.restore(snapshot)
 
     def to_bytes(self, snapshot: rope_model.Snapshot) -> bytes:
-        return _TAG + stamp(snapshot.state.to_bytes(), self.data().parameters)
+        return _TAG + stamp(snapshot.to_bytes(), self.data().parameters)
 
-    def from_bytes(self, data: bytes) -> rope_model.RopeState:
+    def from_bytes(self, data: bytes) -> bytes:
+        """Return the state for `restore`; ValueError for that of an FMU or of other parameters."""
         if not data.startswith(_TAG):
             raise ValueError(
                 "the state must be that of a rope in process, it is of an FMU: "
                 "give that with --fmu FILE"
             )
-        state = unstamp(data.removeprefix(_TAG), self.data().parameters)
-        return rope_model.RopeState.from_bytes(state)
+        return unstamp(data.removeprefix(_TAG), self.data().parameters)
 
     def units(self) -> dict[str, str]:
         """Unit of each output of the record, and of the fidelity's code."""
