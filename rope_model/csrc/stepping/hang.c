@@ -208,9 +208,9 @@ static RopeStatus hang_in_loop(Simulator *sim, State *state, char *message) {
 
 void paths_at_rest(const Scene *scene, State *state, const EndMotion ends[2], double placed) {
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double now = not_plumb(scene) ? placed : 1, sense = side ? 1 : -1;
-        const EndMotion placed = partly_placed(scene, &ends[side], &ends[!side], sense, now);
-        state->paths[side] = path_resting(state->t, &placed);
+        const double share = not_plumb(scene) ? placed : 1, sense = side ? 1 : -1;
+        const EndMotion end = partly_placed(scene, &ends[side], &ends[!side], sense, share);
+        state->paths[side] = path_resting(state->t, &end);
     }
 }
 
