@@ -293,7 +293,7 @@ _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("", bodies, "RESOLUTION TURNED_FAR MONITOR_INTERVAL"),
     ("", stepping, "MAX_START_TIME MAX_STEPS"),
     ("", statics, "SETTLED BALANCED MAX_MOVE PATIENCE REST_TOLERANCE"),
-    ("", swivel_phases, "EVENT_WIDTH CHATTER_TIME"),
+    ("", swivel_phases, "EVENT_WIDTH JUST_BEFORE CHATTER_TIME"),
     ("", warning_rules, "YAWED_FAR"),
     ("CONTACT_", contact_points, "CELLS HALVINGS STEPS LEVELS PARTS WEIGHTS"),
     ("", newton, "CG_MAX_STEPS CG_TOLERANCE"),

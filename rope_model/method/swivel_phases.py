@@ -93,6 +93,8 @@ def swivel_excess(
 
 
 EVENT_WIDTH = 1e-9  #: s, width to which events are located
+#: event function at the start of a phase that has just begun: a slip has no rate yet
+JUST_BEFORE = -1e-12
 # a swivel chatters with more events in a shorter time
 CHATTER_EVENTS = 50
 CHATTER_TIME = 1e-3  #: s

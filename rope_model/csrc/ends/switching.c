@@ -85,7 +85,7 @@ Switching switching_step(Simulator *sim, State *state, StepResult *trial) {
         return SWITCHES;
     }
     double at_start = excess(&sim->scene, state, state->t, &nodal);
-    if (at_start >= 0) at_start = -1e-12; /* the rate of a slip that has just begun is zero */
+    if (at_start >= 0) at_start = JUST_BEFORE;
     const double h = locate(excess_after, &search, 0, trial->t - state->t, at_start, at_end, EVENT_WIDTH);
     *trial = compute_trial(sim, state, h);
     state->counts.newton += search.iterations + trial->newton.iterations;
