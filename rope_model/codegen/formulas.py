@@ -227,7 +227,7 @@ FORMULAS: tuple[Formula, ...] = (
     Formula("add_drift_error", input_misfit.add_drift_error),
     Formula("loop_error", step_errors.loop_error),
     Formula("tension_along", swivel.tension_along, {"d": 3, "force": 3}),
-    Formula("friction_moment", swivel.friction_moment),
+    Formula("pressing_tension", swivel.pressing_tension),
     Formula("end_load", audit.end_load, {"q": 7, "f": 7}, result=array("load", 6)),
     Formula("axial_share", audit.axial_share),
     Formula("audit_values", audit.signal_values, result=array("values", 6)),

@@ -23,7 +23,7 @@ from rope_model import (
 )
 from rope_model.method.statics import lacks_symmetry
 from rope_model.method.swivel_phases import Phase, SwivelState, swivel_excess
-from rope_model.physics.swivel import friction_moment
+from rope_model.physics.swivel import friction_law, friction_moment
 from rope_model.reference.ends import SENSE, EndPath, onwards
 from rope_model.reference.rope import ReferenceRope
 from rope_model.reference.swivel import Ends as ReferenceEnds
@@ -58,9 +58,11 @@ def twist(data: Scene) -> tuple[BalanceRope, tuple[Event, ...]]:
 
 def test_friction_follows_the_tension_and_never_turns_negative() -> None:
     assert_allclose(
-        friction_moment(0.0018, 0.09, 0.2, 4700.0), 0.2 + 0.5 * 0.0018 * 0.09 * 4700.0, rtol=1e-15
+        friction_moment(friction_law(0.0018, 0.09, 0.2), 4700.0),
+        0.2 + 0.5 * 0.0018 * 0.09 * 4700.0,
+        rtol=1e-15,
     )
-    assert friction_moment(0.1, 0.09, 0.2, -500.0) == 0.2
+    assert friction_moment(friction_law(0.1, 0.09, 0.2), -500.0) == 0.2
 
 
 def test_stick_does_not_creep() -> None:
@@ -241,7 +243,8 @@ def limit(rope: BalanceRope, swivel: Swivel, side: str) -> float:
     if swivel.mode == "locked":
         return 1e3
     tension = -rope.signals()[f"{side}.fy"]
-    return friction_moment(swivel.mu_static, swivel.mean_diameter, swivel.seal_moment, tension)
+    law = friction_law(swivel.mu_static, swivel.mean_diameter, swivel.seal_moment)
+    return friction_moment(law, tension)
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -277,7 +280,8 @@ def test_the_weaker_swivel_slides_by_the_angle_of_the_torque_that_it_does_not_ho
     held = (
         ROPE.Qc / ROPE.Qa * ROPE.mass_per_length * 9.81 * (short**2 + long**2) / (2 * ROPE.length)
     )
-    kinetic = friction_moment(HEALTHY.mu_kinetic, HEALTHY.mean_diameter, 0.0, -now["left.fy"])
+    law = friction_law(HEALTHY.mu_kinetic, HEALTHY.mean_diameter, 0.0)
+    kinetic = friction_moment(law, -now["left.fy"])
     assert_allclose(now["right.swivel.torque"], kinetic, rtol=1e-6)
     slid = (held - kinetic) * ROPE.length / torsion - 2 * now["loop.yaw"]
     assert_allclose(now["left.swivel.angle"], twist + slid, rtol=0, atol=0.05 * slid)

@@ -28,7 +28,7 @@ static double excess_of(const Scene *scene, const State *state, int side, double
     const double *R = end_row(nodal->reaction, nodal->nodes, side);
     double relative[2];
     ends_relative(state, side, t, q[ANGLE], v[ANGLE], relative);
-    const double tension = ends_tension(scene, side, q, R);
+    const double tension = ends_tension(scene, nodal, side);
     return swivel_excess(&scene->swivels[side], &state->swivels[side], tension, R[ANGLE], relative[1]);
 }
 

@@ -169,7 +169,7 @@ static RopeStatus relax(Simulator *sim, State *state, const Before *before, char
         for (int side = LEFT; side <= RIGHT; side++) {
             const Swivel *swivel = &sim->scene.swivels[side];
             const double *R = end_row(nodal.reaction, nodal.nodes, side);
-            const double tension = ends_tension(&sim->scene, side, end_row(nodal.q, nodal.nodes, side), R);
+            const double tension = ends_tension(&sim->scene, &nodal, side);
             if (sign[side] != 0 || !relaxes(swivel, &state->swivels[side], state->t)) continue;
             const double friction = swivel_friction(swivel, swivel->mu_kinetic, tension);
             if (!(beyond_rest(swivel, tension, R[ANGLE]) >= 0 && friction < least)) continue;
