@@ -70,7 +70,7 @@ NUMBERS: tuple[Callable[..., Any], ...] = (
         swivel_phases.frictionless,
         swivel_phases.released_at,
         swivel_phases.relaxes,
-        swivel_phases.swivel_friction,
+        swivel_phases.kinetic_friction,
     ),
     *(swivel_phases.slip_constant, swivel_phases.slip_per_tension),
     *(swivel_phases.beyond_rest, swivel_phases.moment_of_swivel, swivel_phases.swivel_excess),

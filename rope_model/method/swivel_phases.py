@@ -57,14 +57,15 @@ def relaxes(swivel: Swivel, swivel_state: SwivelState, t: Scalar) -> Scalar:
     return logical_and(swivel.start == "relaxed", t >= released_at(swivel, swivel_state))
 
 
-def swivel_friction(swivel: Swivel, mu: Scalar, tension: Scalar) -> Scalar:
-    """Return the largest moment (N m) of its friction with this coefficient."""
-    return friction_moment(bearing_friction(swivel, mu), tension)
+def kinetic_friction(swivel: Swivel, tension: Scalar) -> Scalar:
+    """Return the moment (N m) of its friction while it slips."""
+    return friction_moment(bearing_friction(swivel, swivel.mu_kinetic), tension)
 
 
 def beyond_rest(swivel: Swivel, tension: Scalar, constraint_moment: Scalar) -> Scalar:
     """Return the share by which ``constraint_moment`` exceeds the static friction; negative while the swivel holds."""
-    holds = where(frictionless(swivel), 0.0, swivel_friction(swivel, swivel.mu_static, tension))
+    static = friction_moment(bearing_friction(swivel, swivel.mu_static), tension)
+    holds = where(frictionless(swivel), 0.0, static)
     limit = holds + MOMENT_RESOLUTION * swivel.mean_diameter * abs(tension)
     return abs(constraint_moment) / maximum(limit, TINY) - 1.0
 

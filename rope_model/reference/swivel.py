@@ -96,9 +96,9 @@ class Ends:
         rate = motion.v[node, ANGLE] - SENSE[side] * path[1, YAW]
         return float(angle), float(rate)
 
-    def moment(self, side: int, reaction: Array) -> float:
+    def moment(self, side: int, motion: Motion) -> float:
         """Return the moment M (N m) of the conveyance on the rope's end, about the tangent."""
-        R = reaction[END_NODE[side]]
+        R = motion.reaction[END_NODE[side]]
         state = self.swivels[side]
         return float(moment_of_swivel(self.data(side), state, float(R[HEIGHT]), float(R[ANGLE])))
 

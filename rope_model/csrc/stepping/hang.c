@@ -171,7 +171,7 @@ static RopeStatus relax(Simulator *sim, State *state, const Before *before, char
             const double *R = end_row(nodal.reaction, nodal.nodes, side);
             const double tension = ends_tension(&sim->scene, &nodal, side);
             if (sign[side] != 0 || !relaxes(swivel, &state->swivels[side], state->t)) continue;
-            const double friction = swivel_friction(swivel, swivel->mu_kinetic, tension);
+            const double friction = kinetic_friction(swivel, tension);
             if (!(beyond_rest(swivel, tension, R[ANGLE]) >= 0 && friction < least)) continue;
             loosest = side;
             least = friction;
