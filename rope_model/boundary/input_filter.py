@@ -432,7 +432,9 @@ def filter_path(path: EndPath, state: InputFilter, stop: Scalar, bandwidth: Scal
         _axis_quintic(bandwidth, horizon, h, axis_start, sample)
         for axis_start, sample in zip(starts, samples, strict=True)
     )
-    latest = zip(path.lean_motion(start), state.given[-2:], state.lean_rates, strict=True)
+    given = EndMotion(*state.given)
+    given_leans = (given.lean, given.lean_z)
+    latest = zip(path.lean_motion(start), given_leans, state.lean_rates, strict=True)
     lean, lean_z = (_lean_quintic(h, horizon, *axis) for axis in latest)
     return EndPath(start, stop, (x, y, z, yaw), (lean, lean_z))
 
