@@ -277,10 +277,11 @@ void rope_rows(const Simulator *sim, double (*rows)[13]) {
     }
 }
 
-void rope_displacement(Simulator *sim, const PointForces *forces, double (*moved)[3]) {
+RopeStatus rope_displacement(Simulator *sim, const PointForces *forces, double (*moved)[3]) {
     State *state = sim->state;
     memset(moved, 0, sizeof *moved * (size_t)forces->count);
-    if (!sim->initialized) return;
+    if (!sim->initialized) return say_no_state(sim->message);
+    if (state->fidelity == RIGID) return say_rigid_under_forces(sim->message);
     const NodalArrays nodal = state_arrays(state);
     const Coefficients method = {sim->scene.solver.rho_inf};
     System sys = rope_system(sim, state);
@@ -300,6 +301,7 @@ void rope_displacement(Simulator *sim, const PointForces *forces, double (*moved
         at_places(answers[1], point.element, point.N, moved[index]);
         for (int i = 0; i < 3; i++) moved[index][i] -= without[i];
     }
+    return ROPE_DONE;
 }
 
 /* Return a signal; the first call after a change of state computes its group. */
