@@ -166,7 +166,7 @@ static RopeStatus initialize(Simulator *sim, double t, const EndMotion ends[2]) 
     set_rise_reference(scene, state);
     update_passages(&sim->scene, sim->self_contact, state);
     update_guards(scene, state);
-    sim->last.taken = 0;
+    memset(&sim->last, 0, sizeof sim->last); /* equal states are saved as equal bytes */
     return accept(sim);
 }
 
@@ -185,7 +185,7 @@ RopeStatus rope_release_free_swivels(Simulator *sim) {
     if (sim->scene.swivels[LEFT].mode != FREE_MODE && sim->scene.swivels[RIGHT].mode != FREE_MODE) return ROPE_DONE;
     memcpy(sim->next, sim->state, sim->state_bytes);
     if (!release_free_swivels(sim, sim->next, sim->message)) return refer_after_failure(sim, ROPE_FAILED);
-    sim->last.taken = 0;
+    memset(&sim->last, 0, sizeof sim->last); /* equal states are saved as equal bytes */
     return accept(sim);
 }
 
