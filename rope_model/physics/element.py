@@ -370,12 +370,14 @@ def _tangent_through_means(x: _Arguments, means: _Means, e_z: ca.SX, tau_z: ca.S
     coupling = (x.cq + damped * root) * p.Qs + growth * means.tau
     torsion = (x.cq + damped * root * root) * p.Qd + growth * means.e
     shared = coupling * e_z + 0.5 * torsion * tau_z
-    return x.l * (shared @ tau_z.T + tau_z @ shared.T)
+    tangent: ca.SX = x.l * (shared @ tau_z.T + tau_z @ shared.T)
+    return tangent
 
 
 def _slope_inertia(x: _Arguments) -> ca.SX:
     """Return the inertia of theta's slope, kg m^3."""
-    return parameters_from(x.P).rhoJ_x * x.l**3
+    inertia: ca.SX = parameters_from(x.P).rhoJ_x * x.l**3
+    return inertia
 
 
 def _frame_reference(x: _Arguments, points: list[_Point]) -> ca.SX:
