@@ -13,7 +13,7 @@ from typing import NamedTuple
 from fmu_src.interface import variables
 from fmu_src.model_description import MODEL
 from fmu_src.native.build import PLATFORMS, library, open_library
-from fmu_src.native.export import model_sources, rope_sources, shell_sources
+from fmu_src.native.export import joined, model_sources, rope_sources, shell_sources
 from fmu_src.native.start import without_start
 from fmu_src.native.table import start_values
 from fmu_src.python.export import library_sources
@@ -48,7 +48,7 @@ def libraries() -> Iterator[Library]:
 def _rope(fmi: int) -> Library:
     table = variables(rope_120())
     shared = without_start(
-        {**rope_sources(), **shell_sources(table, fmi)}, len(start_values(table, fmi))
+        joined(rope_sources(), shell_sources(table, fmi)), len(start_values(table, fmi))
     )
     return Library(shared, MODEL)
 

@@ -109,7 +109,7 @@ def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
         "rope_advance_to": (c_int, (rope, c_double, c_char_p, c_double)),
         "rope_retune": (c_int, (rope, c_void_p)),
         **{f"rope_{name}": (None, (rope, c_void_p)) for name in ("apply", "rows", "save")},
-        "rope_displacement": (None, (rope, c_void_p, c_void_p)),
+        "rope_displacement": (c_int, (rope, c_void_p, c_void_p)),
         **{
             f"rope_{name}": (c_char_p, (rope,))
             for name in ("message", "fidelity", "fidelity_reason")
@@ -266,7 +266,10 @@ class NativeRope(BalanceRope):
         forces.require_on(self._scene.rope.length)
         structure = _forces(forces)
         displacement = np.empty((forces.s.size, 3))
-        self._lib.rope_displacement(self._rope, byref(structure[0]), displacement.ctypes.data)
+        if not self._lib.rope_displacement(
+            self._rope, byref(structure[0]), displacement.ctypes.data
+        ):
+            raise ValueError(self._lib.rope_message(self._rope).decode())
         return displacement
 
     def linear_facts(self) -> LinearFacts:

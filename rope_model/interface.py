@@ -184,6 +184,11 @@ class BalanceRope(ABC):
         """Return the displacements [m] (n, 3) that the forces at ``start`` cause at their points of the rope.
 
         They are those of the linearised equations at the end of a step as long as the last.
+
+        Raises
+        ------
+        ValueError
+            If a place is off the rope, or the rope is rigid.
         """
 
     def added_mass(self) -> tuple[float, float]:

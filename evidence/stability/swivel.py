@@ -13,7 +13,7 @@ from evidence.ropes import AT_ZERO, at_rest, require, smooth_step
 from evidence.stability.entry import Entry, Finding, points
 from evidence.tables import Array
 from rope_model import BalanceRope, EndMotion
-from rope_model.method.swivel_phases import Phase, SwivelState, swivel_friction
+from rope_model.method.swivel_phases import Phase, SwivelState, kinetic_friction
 from rope_model.parameters import Rope, Scene, Swivel
 from rope_model.reference.ends import onwards
 from rope_model.reference.generalized_alpha import restart, step
@@ -98,7 +98,7 @@ def measure_chattering() -> Finding:
     times: Array = H * np.arange(rates.size, dtype=float)
     standing = times > TURNED
     tension = -rope.signals(["left.fy"])["left.fy"]
-    kinetic = float(swivel_friction(bearing, bearing.mu_kinetic, tension))
+    kinetic = float(kinetic_friction(bearing, tension))
     changes = float(np.count_nonzero(np.diff(np.sign(chattering[standing]))))
     shown = (times > 0.8) & (times < 2.0)
     return Finding(

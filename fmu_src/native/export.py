@@ -67,7 +67,7 @@ def export_native(
         Content(
             table,
             described,
-            sources={**rope, **shell_sources(table, fmi)},
+            sources=joined(rope, shell_sources(table, fmi)),
             form=arrays if fmi == 3 and profile.arrays else scalars,
         ),
         key=f"{case} {level} {fmi} {sorted(start.items())} {profile} {identifier}",
@@ -246,7 +246,16 @@ def _place(name: str) -> str:
 
 def model_sources(table: Sequence[Variable], model: Mapping[str, str], fmi: int) -> dict[str, str]:
     """Return the C files ``model`` with all files between model.h and FMI but start.c."""
-    return {**model, **shell(fmi), "variables.c": c_table(table, fmi)}
+    return joined(model, {**shell(fmi), "variables.c": c_table(table, fmi)})
+
+
+def joined(model: Mapping[str, str], between: Mapping[str, str]) -> dict[str, str]:
+    """Return the C files of a model and those ``between`` it and FMI; ValueError if they share a name."""
+    if both := model.keys() & between.keys():
+        raise ValueError(
+            f"two C files are called {min(both)}, the model's and that between it and FMI: rename the model's"
+        )
+    return {**model, **between}
 
 
 def shell(fmi: int, *more: str) -> dict[str, str]:

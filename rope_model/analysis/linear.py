@@ -31,7 +31,7 @@ from rope_model.analysis.element_data import ElementData, element_data, of_eleme
 from rope_model.arrays import Array
 from rope_model.engine import LinearFacts, NativeRope
 from rope_model.fidelity.fidelity_rules import not_plumb
-from rope_model.method.swivel_phases import Phase
+from rope_model.method.swivel_phases import Phase, frictionless
 from rope_model.physics.element import NODE_DOF, PARAMETERS
 from rope_model.physics.frame import conveyance_load
 from rope_model.physics.hermite import GAUSS, bend, node_values
@@ -133,7 +133,7 @@ def _require_linear(rope: NativeRope, near_bodies: bool) -> None:
         )
     swivels = zip(SIDES, (rope.scene.left, rope.scene.right), rope.state.swivels, strict=True)
     for side, swivel, now in swivels:
-        if now.phase is Phase.SLIP and swivel.mode != "free":
+        if now.phase is Phase.SLIP and not frictionless(swivel):
             raise ValueError(
                 f"the {side} swivel slips, and its friction has no linear model: begin with a rope at rest"
             )

@@ -230,14 +230,16 @@ def filter_sample(
     )
     moves = logical_or(*(abs(axis[1]) > RESTS_BELOW for axis in motion))
     grid = _grid_after(state.grid, end.y, moves)
-    slope = (end.y - state.given[1]) / since
+    latest = EndMotion(*state.given)
+    slope = (end.y - latest.y) / since
     table = _table_after(state.table, given_at, slope, abs(motion[1][2]) * since)
     repetitions = state.repetitions
     keeps_rates = logical_or(repeated, since < MIN_AIM_TIME)
     means = (
-        (x - old) / since for x, old in zip((end.lean, end.lean_z), state.given[-2:], strict=True)
+        (end.lean - latest.lean) / since,
+        (end.lean_z - latest.lean_z) / since,
     )
-    position_jumps, speed_jumps = _jumps(state, settings, since, (*end.position, end.yaw), speeds)
+    position_jumps, speed_jumps = _jumps(state, settings, since, end)
     result: InputFilter = state._replace(
         given=values,
         position_jumps=tuple(where(repeated, 0.0 * x, x) for x in position_jumps),
@@ -268,7 +270,7 @@ def _unless(repeated: Scalar, old: Vector, new: Vector) -> Iterator[Scalar]:
 
 
 def _jumps(
-    state: InputFilter, settings: FilterSettings, since: Scalar, positions: Vector, speeds: Vector
+    state: InputFilter, settings: FilterSettings, since: Scalar, end: EndMotion
 ) -> tuple[Vector, Vector]:
     """Return by how much a sample's positions and speeds are off any motion that the samples before let expect.
 
@@ -278,12 +280,16 @@ def _jumps(
     acceleration is given.
     """
     hardest = settings.max_deceleration
-    positions_before = (*state.given[:3], state.given[9])
-    speeds_before = (*state.given[3:6], state.given[10])
+    latest = EndMotion(*state.given)
     position_jumps = []
     speed_jumps = []
     for axis, x, x_before, v, v_before in zip(
-        state.motion, positions, positions_before, speeds, speeds_before, strict=True
+        state.motion,
+        (*end.position, end.yaw),
+        (*latest.position, latest.yaw),
+        (*end.velocity, end.yaw_rate),
+        (*latest.velocity, latest.yaw_rate),
+        strict=True,
     ):
         known = settings.speed_trust > 0
         mean = where(known, 0.5 * (v_before + v), axis[1])
@@ -316,20 +322,27 @@ def _repeated(
     moves = logical_or(*(abs(speed) > RESTS_BELOW for speed in speeds))
     stops_below = settings.max_deceleration * (since + 1.0 / settings.estimate)
     too_fast = logical_or(*(abs(axis[1]) > stops_below for axis in state.motion))
-    trusted = [
-        getattr(settings, f"{kind}_trust")
-        for kind in ("position", "speed", "acceleration")
-        for _ in range(3)
-    ]
-    trusted += (
-        settings.position_trust,
-        settings.speed_trust,
-        settings.position_trust,
-        settings.position_trust,
+    position = settings.position_trust
+    speed = settings.speed_trust
+    acceleration = settings.acceleration_trust
+    trusted = EndMotion(
+        x=position,
+        y=position,
+        z=position,
+        vx=speed,
+        vy=speed,
+        vz=speed,
+        ax=acceleration,
+        ay=acceleration,
+        az=acceleration,
+        yaw=position,
+        yaw_rate=speed,
+        lean=position,
+        lean_z=position,
     )
     same = (
         logical_or(trust < 1, a == b)
-        for trust, a, b in zip(trusted, values, state.given, strict=True)
+        for trust, a, b in zip(vars(trusted).values(), values, state.given, strict=True)
     )
     cannot_stay = logical_and(
         settings.position_trust > 0, where(settings.speed_trust > 0, moves, too_fast)
@@ -419,7 +432,9 @@ def filter_path(path: EndPath, state: InputFilter, stop: Scalar, bandwidth: Scal
         _axis_quintic(bandwidth, horizon, h, axis_start, sample)
         for axis_start, sample in zip(starts, samples, strict=True)
     )
-    latest = zip(path.lean_motion(start), state.given[-2:], state.lean_rates, strict=True)
+    given = EndMotion(*state.given)
+    given_leans = (given.lean, given.lean_z)
+    latest = zip(path.lean_motion(start), given_leans, state.lean_rates, strict=True)
     lean, lean_z = (_lean_quintic(h, horizon, *axis) for axis in latest)
     return EndPath(start, stop, (x, y, z, yaw), (lean, lean_z))
 

@@ -8,7 +8,7 @@ import ctypes
 import importlib.metadata
 import json
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -24,6 +24,18 @@ from rope_model.files import WriteError, write_text
 
 _FOLDER = Path(__file__).resolve().parent.parent / "csrc"
 NAME = "rope"
+#: functions that make the generated files, by file name
+_GENERATED: dict[str, Callable[[], str]] = {
+    "elements.inc": element_code,
+    "formulas.h": formulas_code,
+    "messages.h": messages_code,
+    "rules.h": rules_code,
+    "state_structures.h": state_structures,
+    "signal_numbers.h": signal_numbers,
+    "state_signals.h": state_signals,
+    "parameters.h": parameter_structures,
+    "parameters.inc": parameter_bounds,
+}
 
 
 class NoEngine(RuntimeError):
@@ -36,10 +48,22 @@ def sources() -> dict[str, str]:
     return {path.name: path.read_text(encoding="utf-8") for path in written()} | _generated()
 
 
-def written() -> list[Path]:
-    """List the files that are not generated."""
-    files = (path for path in _FOLDER.rglob("*") if path.suffix in (".c", ".h", ".inc"))
-    return sorted(files, key=lambda path: path.name)
+def written(folder: Path = _FOLDER) -> list[Path]:
+    """List the files below ``folder`` that are not generated.
+
+    Raises ValueError if two files have one name: they are compiled in one folder, and an #include
+    gives no more than the name.
+    """
+    paths = [path for path in folder.rglob("*") if path.suffix in (".c", ".h", ".inc")]
+    places = dict.fromkeys(_GENERATED, "the generated one")
+    for path in sorted(paths):
+        place = path.relative_to(folder).as_posix()
+        if path.name in places:
+            raise ValueError(
+                f"two C files are called {path.name}, {places[path.name]} and {place}: rename one"
+            )
+        places[path.name] = place
+    return sorted(paths, key=lambda path: path.name)
 
 
 def _generated() -> dict[str, str]:
@@ -57,17 +81,7 @@ def _generated() -> dict[str, str]:
 
 def generate() -> dict[str, str]:
     """Generate the files from the physics and the tables of signals and parameters."""
-    return {
-        "elements.inc": element_code(),
-        "formulas.h": formulas_code(),
-        "messages.h": messages_code(),
-        "rules.h": rules_code(),
-        "state_structures.h": state_structures(),
-        "signal_numbers.h": signal_numbers(),
-        "state_signals.h": state_signals(),
-        "parameters.h": parameter_structures(),
-        "parameters.inc": parameter_bounds(),
-    }
+    return {name: make() for name, make in _GENERATED.items()}
 
 
 def generated_file(package: Path) -> Path:

@@ -1,8 +1,8 @@
 """C text of rules and conditions (rules.h) and of state signals (state_signals.h), which read whole structures.
 
-A formula is called with symbols for the facts that its parameters name, as in
-codegen.formula_functions.  A fact is a whole structure, with integers and choices; only members
-that the formula reads become text.
+A formula is called with symbols for its parameters, the facts, as in codegen.formula_functions.
+The type of a fact in C follows from its annotation.  A fact is a whole structure, with integers and
+choices; only members that the formula reads become text.
 """
 
 import ctypes
@@ -13,7 +13,7 @@ from ctypes import c_int
 from enum import Enum
 from functools import partial
 from types import SimpleNamespace
-from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 import casadi as ca
 
@@ -22,16 +22,16 @@ from rope_model.boundary.end_paths import EndMotion
 from rope_model.boundary.input_filter import InputFilter
 from rope_model.codegen.expressions import statements, texts_of
 from rope_model.codegen.messages import texts
+from rope_model.codegen.signatures import is_structure, name_in_c
 from rope_model.codegen.state_structures import PatternStructure, StateStructure
 from rope_model.codegen.tables import Word, constant
 from rope_model.fidelity import fidelity_rules
 from rope_model.messages.rules import Rules
 from rope_model.messages.text import Template
 from rope_model.method import mesh_pattern, swivel_phases
-from rope_model.method.swivel_phases import SwivelState
-from rope_model.parameters import Scene, Swivel
+from rope_model.parameters import Scene
+from rope_model.physics.elementary import Scalar
 from rope_model.physics.expressions import no_simplification
-from rope_model.shaft_parameters import Shaft
 from rope_model.signals.state_signals import remembered
 from rope_model.state import RopeState
 from rope_model.warnings import warning_rules
@@ -70,8 +70,9 @@ NUMBERS: tuple[Callable[..., Any], ...] = (
         swivel_phases.frictionless,
         swivel_phases.released_at,
         swivel_phases.relaxes,
-        swivel_phases.swivel_friction,
+        swivel_phases.kinetic_friction,
     ),
+    *(swivel_phases.slip_constant, swivel_phases.slip_per_tension),
     *(swivel_phases.beyond_rest, swivel_phases.moment_of_swivel, swivel_phases.swivel_excess),
 )
 _HEAD = """\
@@ -83,20 +84,21 @@ _HEAD = """\
 #include "formulas.h"
 #include "messages.h"
 """
-#: types of the facts that are structures, by parameter
-_STRUCTURES: dict[str, type[Any]] = {
-    "scene": Scene,
-    "shaft": Shaft,
-    "state": RopeState,
-    "left": EndMotion,
-    "right": EndMotion,
-    "swivel": Swivel,
-    "swivel_state": SwivelState,
-    "end_filter": InputFilter,
+_ENDS = {"scene": Scene, "fidelity": str, "left": EndMotion, "right": EndMotion}
+#: types of a table's facts, as annotations: a lambda has none
+FACTS: dict[str, dict[str, Any]] = {
+    name: {"scene": Scene, "state": RopeState} for name in NUMERIC_WARNINGS
+} | {
+    "touching_legs": {"scene": Scene, "state": RopeState, "yaw": Scalar},
+    "torque_source": {"scene": Scene, "turned": Scalar},
+    "inputs_of_end": {"scene": Scene, "end_filter": InputFilter, "step": Scalar},
+    "torque": {"scene": Scene},
+    "complete_model": {"scene": Scene, "forces": Scalar},
+    "unsupported": {**_ENDS, "forces": Scalar},
+    "sufficient": _ENDS,
+    "no_room": _ENDS,
 }
 _NAMES = {text: name for name, text in texts().items()}
-#: names of structures in C, where they differ
-_IN_C: dict[type[Any], str] = {RopeState: "State"}
 #: names of members in C, where they differ
 _MEMBERS = {"left": "swivels[LEFT]", "right": "swivels[RIGHT]"}
 
@@ -111,8 +113,8 @@ class _Fact(NamedTuple):
 def rules_code() -> str:
     """Return the text of rules.h."""
     with no_simplification():
-        tables = (_table(*item) for item in TABLES.items())
-        return "\n".join((_HEAD, *map(_number, NUMBERS), *tables, _warnings(), "#endif\n"))
+        tables = (table_code(name, rules, FACTS[name]) for name, rules in TABLES.items())
+        return "\n".join((_HEAD, *map(number_code, NUMBERS), *tables, _warnings(), "#endif\n"))
 
 
 def state_signals() -> str:
@@ -142,17 +144,23 @@ def _warnings() -> str:
     return f"enum {{ {names} }};\n\n{head} {{\n{body}}}\n"
 
 
-def _fact(name: str) -> _Fact:
-    if name in _STRUCTURES:
-        kind = _STRUCTURES[name]
-        return _Fact(f"const {_IN_C.get(kind, kind.__name__)} *{name}", _symbols(kind, f"{name}->"))
-    if name == "pattern":
-        return _Fact("const Pattern *pattern", _members_at(PatternStructure, "pattern->"))
-    if name == "counts":
-        return _Fact("const int counts[5]", _members_at(c_int * 5, "counts"))
-    if name == "fidelity":
-        return _Fact("int fidelity", Word(name, name))
-    return _Fact(f"double {name}", ca.SX.sym(name))
+def _fact(name: str, hint: Any) -> _Fact:
+    """Return a fact of the type ``hint``: a number, a choice (str), whole numbers, or a structure."""
+    if hint in (Scalar, float):
+        return _Fact(f"double {name}", ca.SX.sym(name))
+    if hint is str:
+        return _Fact(f"int {name}", Word(name, name))
+    if get_origin(hint) is Annotated:
+        (length,) = hint.__metadata__
+        return _Fact(f"const int {name}[{length}]", _members_at(c_int * length, name))
+    if hint is mesh_pattern.Pattern:
+        return _Fact(f"const Pattern *{name}", _members_at(PatternStructure, f"{name}->"))
+    if is_structure(hint):
+        return _Fact(f"const {name_in_c(hint)} *{name}", _symbols(hint, f"{name}->"))
+    raise TypeError(
+        f"{name} has the annotation {hint}, which has no type in C: annotate it with Scalar, str, "
+        "whole numbers as InnerCounts, Pattern or a structure"
+    )
 
 
 def _symbols(kind: type[Any], prefix: str) -> Any:
@@ -187,12 +195,15 @@ def _members_at(kind: Any, expression: str) -> Any:
     return ca.SX.sym(expression if kind is ctypes.c_double else f"(double){expression}")
 
 
-def _facts_of(formula: Callable[..., Any]) -> dict[str, _Fact]:
-    return {name: _fact(name) for name in inspect.signature(formula).parameters}
+def _annotations(formula: Callable[..., Any]) -> dict[str, Any]:
+    """Return the annotations of the parameters, in their order; None for those without."""
+    hints = get_type_hints(formula, include_extras=True)
+    return {name: hints.get(name) for name in inspect.signature(formula).parameters}
 
 
-def _number(formula: Callable[..., Any]) -> str:
-    facts = _facts_of(formula)
+def number_code(formula: Callable[..., Any]) -> str:
+    """Return the C function of a formula that returns a number or a condition."""
+    facts = {name: _fact(name, hint) for name, hint in _annotations(formula).items()}
     lines, (text,) = _texts([formula(*(fact.symbols for fact in facts.values()))])
     declared = ", ".join(fact.declared for fact in facts.values())
     body = "".join(f"    {line}\n" for line in (*lines, f"return {text};"))
@@ -200,9 +211,16 @@ def _number(formula: Callable[..., Any]) -> str:
     return f"/* {formula.__module__}.{formula.__qualname__} */\n{head} {{\n{body}}}\n"
 
 
-def _table(name: str, rules: Rules) -> str:
-    facts = _facts_of(next(iter(rules.values())))
-    assert all(_facts_of(formula).keys() == facts.keys() for formula in rules.values()), name
+def table_code(name: str, rules: Rules, hints: Mapping[str, Any]) -> str:
+    """Return the C function of a table with facts of these types."""
+    for formula in rules.values():
+        own = _annotations(formula)
+        expected = {fact: hints.get(fact) if own[fact] is not None else None for fact in own}
+        if [*own] != [*hints] or own != expected:
+            raise TypeError(
+                f"{formula.__qualname__} of the table {name} takes {own}: it must take {hints}"
+            )
+    facts = {fact: _fact(fact, hint) for fact, hint in hints.items()}
     body = "".join(_rule(message, formula, facts) for message, formula in rules.items())
     unused = "".join(
         f"    (void){fact};\n" for fact in facts if not re.search(rf"\b{fact}\b", body)

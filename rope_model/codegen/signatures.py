@@ -6,9 +6,10 @@ from dataclasses import dataclass, field, is_dataclass
 from typing import Any, get_type_hints
 
 from rope_model.boundary.end_paths import EndPath
+from rope_model.state import RopeState
 
 #: names of structures in C, where they differ
-_IN_C: dict[type[Any], str] = {EndPath: "Path"}
+_IN_C: dict[type[Any], str] = {EndPath: "Path", RopeState: "State"}
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ class Formula:
     def returned(self) -> type[Any] | None:
         """Structure that the function returns; None for a number, or where an array receives the results."""
         hint = get_type_hints(self.function).get("return")
-        return hint if self.result is None and _is_structure(hint) else None
+        return hint if self.result is None and is_structure(hint) else None
 
     @property
     def return_type(self) -> str:
@@ -78,7 +79,7 @@ class Formula:
         if name in self.lengths:
             return Argument(name, shape=(self.lengths[name],))
         hint = self.structures.get(name, hint)
-        return Argument(name, hint if _is_structure(hint) else None)
+        return Argument(name, hint if is_structure(hint) else None)
 
 
 def array(name: str, *shape: int) -> Argument:
@@ -91,5 +92,6 @@ def name_in_c(kind: type[Any]) -> str:
     return _IN_C.get(kind, kind.__name__)
 
 
-def _is_structure(hint: Any) -> bool:
+def is_structure(hint: Any) -> bool:
+    """Return whether a parameter with this annotation is a structure in C."""
     return is_dataclass(hint) or hasattr(hint, "_fields")

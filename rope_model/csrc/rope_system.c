@@ -17,6 +17,7 @@
 #include "obstacles.h"
 #include "point_forces.h"
 #include "rope.h"
+#include "rules.h"
 #include "self_contact.h"
 #include "simulator.h"
 #include "state_structures.h"
@@ -49,10 +50,8 @@ System rope_system(const Simulator *sim, State *state) {
         sys.free[side][ANGLE] = now->phase == SLIP;
         sys.inertia[side] = swivel->inertia;
         sys.plumb[side] = swivel->attachment == PLUMB;
-        if (now->phase == SLIP && swivel->mode != FREE_MODE) {
-            sys.load[side] = -now->sign * swivel->seal_moment;
-            sys.friction_load[side] = -now->sign * friction_moment(swivel->mu_kinetic, swivel->mean_diameter, 0, 1);
-        }
+        sys.load[side] = slip_constant(swivel, now);
+        sys.friction_load[side] = slip_per_tension(swivel, now);
     }
     return sys;
 }

@@ -166,7 +166,7 @@ static RopeStatus initialize(Simulator *sim, double t, const EndMotion ends[2]) 
     set_rise_reference(scene, state);
     update_passages(&sim->scene, sim->self_contact, state);
     update_guards(scene, state);
-    sim->last.taken = 0;
+    memset(&sim->last, 0, sizeof sim->last); /* equal states are saved as equal bytes */
     return accept(sim);
 }
 
@@ -185,7 +185,7 @@ RopeStatus rope_release_free_swivels(Simulator *sim) {
     if (sim->scene.swivels[LEFT].mode != FREE_MODE && sim->scene.swivels[RIGHT].mode != FREE_MODE) return ROPE_DONE;
     memcpy(sim->next, sim->state, sim->state_bytes);
     if (!release_free_swivels(sim, sim->next, sim->message)) return refer_after_failure(sim, ROPE_FAILED);
-    sim->last.taken = 0;
+    memset(&sim->last, 0, sizeof sim->last); /* equal states are saved as equal bytes */
     return accept(sim);
 }
 
@@ -277,10 +277,11 @@ void rope_rows(const Simulator *sim, double (*rows)[13]) {
     }
 }
 
-void rope_displacement(Simulator *sim, const PointForces *forces, double (*moved)[3]) {
+RopeStatus rope_displacement(Simulator *sim, const PointForces *forces, double (*moved)[3]) {
     State *state = sim->state;
     memset(moved, 0, sizeof *moved * (size_t)forces->count);
-    if (!sim->initialized) return;
+    if (!sim->initialized) return say_no_state(sim->message);
+    if (state->fidelity == RIGID) return say_rigid_under_forces(sim->message);
     const NodalArrays nodal = state_arrays(state);
     const Coefficients method = {sim->scene.solver.rho_inf};
     System sys = rope_system(sim, state);
@@ -300,6 +301,7 @@ void rope_displacement(Simulator *sim, const PointForces *forces, double (*moved
         at_places(answers[1], point.element, point.N, moved[index]);
         for (int i = 0; i < 3; i++) moved[index][i] -= without[i];
     }
+    return ROPE_DONE;
 }
 
 /* Return a signal; the first call after a change of state computes its group. */

@@ -36,7 +36,7 @@ static void load_on(const Scene *scene, const Chain *chain, State *state, const 
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *q = end_row(nodal.q, nodal.nodes, side), *R = end_row(nodal.reaction, nodal.nodes, side);
         double one[6];
-        end_load(q, R, ends_moment(scene, &state->swivels[side], side, q, R), one);
+        end_load(q, R, ends_moment(scene, state, &nodal, side), one);
         for (int k = 0; k < 6; k++) load[k] += one[k];
         load[AUDIT_END_LOADS + side] = R[1];
     }
@@ -153,8 +153,7 @@ void rope_powers(const Scene *scene, State *state) {
     state->power_ends = state->power_swivel = 0;
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *R = end_row(nodal.reaction, nodal.nodes, side), *v = end_row(nodal.v, nodal.nodes, side);
-        const double *q = end_row(nodal.q, nodal.nodes, side);
-        const double moment = ends_moment(scene, &state->swivels[side], side, q, R);
+        const double moment = ends_moment(scene, state, &nodal, side);
         double spin = v[ANGLE];
         for (int k = 0; k < 3; k++) state->power_ends += R[k] * v[k];
         if (scene->swivels[side].attachment == CLAMPED) state->power_ends += dot(R + SLOPE, v + SLOPE);

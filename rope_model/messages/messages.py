@@ -150,6 +150,9 @@ too_many_to_differentiate = Template(
 )
 
 # use of the native form alone
+rigid_under_forces = Template(
+    "forces do not move the places of a rope with the rigid model; set model.fidelity = torsional (or spatial, planar)"
+)
 no_memory = Template("no memory for {elements:d} elements ({megabytes:.3g} MB); use fewer")
 wrong_number_of_bytes = Template(
     "the saved state has {found:d} bytes, one of this rope {own:d}; restore it into a rope with the same parameters"

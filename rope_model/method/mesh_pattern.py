@@ -5,7 +5,7 @@ counts of all seven segments and l as ``coarse``, all 0 for EEM.
 """
 
 import math
-from typing import Protocol
+from typing import Annotated, Protocol, TypeAlias
 
 from rope_model.method.mesh_fit import DUE
 from rope_model.physics.elementary import (
@@ -28,6 +28,10 @@ WINDOW_PARTS = 3  #: elements of each l
 WINDOW_DUE = 1.6  #: distance (l) at which the window moves: more than half of that between two transformations
 
 
+#: elements of segments II to VI
+InnerCounts: TypeAlias = Annotated[Vector, 5]
+
+
 class Pattern(Protocol):
     """Elements of the segments, l (m) as ``coarse``: a Partition, or its structure in C."""
 
@@ -37,23 +41,23 @@ class Pattern(Protocol):
     def coarse(self) -> Scalar: ...
 
 
-def fine_share(counts: Vector) -> Scalar:
+def fine_share(counts: InnerCounts) -> Scalar:
     """Return the length of the elements of IV: half of their neighbours'."""
     return where(counts[0] > 0, 0.5, 1.0) * where(counts[1] > 0, 0.5, 1.0) * 0.5
 
 
-def relative_lengths(counts: Vector) -> tuple[Scalar, ...]:
+def relative_lengths(counts: InnerCounts) -> tuple[Scalar, ...]:
     """Return the element lengths of segments II to VI."""
     return 0.5, 0.25, fine_share(counts), 0.25, 0.5
 
 
-def inner_length(counts: Vector) -> Scalar:
+def inner_length(counts: InnerCounts) -> Scalar:
     """Return the length of segments II to VI."""
     ii, iii, iv, v, vi = counts
     return 0.5 * (ii + vi) + 0.25 * (iii + v) + fine_share(counts) * iv
 
 
-def min_outer(counts: Vector) -> Scalar:
+def min_outer(counts: InnerCounts) -> Scalar:
     """Return the smallest number of elements of I or VII: below 1 by the whole l in half of segments II to VI."""
     return 1.0 - floor(0.5 * inner_length(counts))
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from rope_model.parameters import Swivel
 from rope_model.physics.elementary import TINY, Scalar, logical_and, logical_or, maximum, where
-from rope_model.physics.swivel import friction_moment
+from rope_model.physics.swivel import Friction, friction_law, friction_moment
 
 #: of the tension times the mean diameter, excess of a moment over the static limit that is
 #: rounding: 1e-9 N m at 5 kN and 0.1 m.  An absolute value would put the events of a light rope and
@@ -34,11 +34,16 @@ class SwivelState(NamedTuple):
     sign: float
 
 
+def bearing_friction(swivel: Swivel, mu: Scalar) -> Friction:
+    """Return the largest moment of its friction with this coefficient: none if it turns freely."""
+    law = friction_law(mu, swivel.mean_diameter, swivel.seal_moment)
+    free = swivel.mode == "free"
+    return Friction(*(where(free, 0.0, term) for term in law))
+
+
 def frictionless(swivel: Swivel) -> Scalar:
     """Return whether the swivel turns without friction."""
-    return logical_or(
-        swivel.mode == "free", logical_and(swivel.mu_kinetic == 0.0, swivel.seal_moment == 0.0)
-    )
+    return logical_and(*(term == 0.0 for term in bearing_friction(swivel, swivel.mu_kinetic)))
 
 
 def released_at(swivel: Swivel, swivel_state: SwivelState) -> Scalar:
@@ -52,18 +57,15 @@ def relaxes(swivel: Swivel, swivel_state: SwivelState, t: Scalar) -> Scalar:
     return logical_and(swivel.start == "relaxed", t >= released_at(swivel, swivel_state))
 
 
-def swivel_friction(swivel: Swivel, mu: Scalar, tension: Scalar) -> Scalar:
-    """Return the largest moment (N m) of its friction with this coefficient."""
-    return where(
-        swivel.mode == "free",
-        0.0,
-        friction_moment(mu, swivel.mean_diameter, swivel.seal_moment, tension),
-    )
+def kinetic_friction(swivel: Swivel, tension: Scalar) -> Scalar:
+    """Return the moment (N m) of its friction while it slips."""
+    return friction_moment(bearing_friction(swivel, swivel.mu_kinetic), tension)
 
 
 def beyond_rest(swivel: Swivel, tension: Scalar, constraint_moment: Scalar) -> Scalar:
     """Return the share by which ``constraint_moment`` exceeds the static friction; negative while the swivel holds."""
-    holds = where(frictionless(swivel), 0.0, swivel_friction(swivel, swivel.mu_static, tension))
+    static = friction_moment(bearing_friction(swivel, swivel.mu_static), tension)
+    holds = where(frictionless(swivel), 0.0, static)
     limit = holds + MOMENT_RESOLUTION * swivel.mean_diameter * abs(tension)
     return abs(constraint_moment) / maximum(limit, TINY) - 1.0
 
@@ -72,8 +74,25 @@ def moment_of_swivel(
     swivel: Swivel, swivel_state: SwivelState, tension: Scalar, constraint_moment: Scalar
 ) -> Scalar:
     """Return the moment (N m, about the tangent) of the conveyance on the rope's end."""
-    friction = swivel_friction(swivel, swivel.mu_kinetic, tension)
-    return where(swivel_state.phase == Phase.SLIP, -swivel_state.sign * friction, constraint_moment)
+    slipping = friction_moment(slip_load(swivel, swivel_state), tension)
+    return where(swivel_state.phase == Phase.SLIP, slipping, constraint_moment)
+
+
+def slip_load(swivel: Swivel, swivel_state: SwivelState) -> Friction:
+    """Return the moment, about the tangent, on the rope's end where the swivel slips; 0 where it does not."""
+    slips = swivel_state.phase == Phase.SLIP
+    law = bearing_friction(swivel, swivel.mu_kinetic)
+    return Friction(*(where(slips, -swivel_state.sign * term, 0.0) for term in law))
+
+
+def slip_constant(swivel: Swivel, swivel_state: SwivelState) -> Scalar:
+    """Return the part of ``slip_load`` at any tension, N m."""
+    return slip_load(swivel, swivel_state).constant
+
+
+def slip_per_tension(swivel: Swivel, swivel_state: SwivelState) -> Scalar:
+    """Return the part of ``slip_load`` per newton of tension, N m."""
+    return slip_load(swivel, swivel_state).per_tension
 
 
 def swivel_excess(
@@ -93,6 +112,8 @@ def swivel_excess(
 
 
 EVENT_WIDTH = 1e-9  #: s, width to which events are located
+#: event function at the start of a phase that has just begun: a slip has no rate yet
+JUST_BEFORE = -1e-12
 # a swivel chatters with more events in a shorter time
 CHATTER_EVENTS = 50
 CHATTER_TIME = 1e-3  #: s

@@ -37,7 +37,7 @@ on numbers and CasADi expressions; vectors have their components first.
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from rope_model.physics.elementary import Scalar, Vector, dot, logical_or, sqrt, where
+from rope_model.physics.elementary import Scalar, Vector, dot, sqrt, where
 from rope_model.shaft_parameters import Air
 
 #: m/s, speed below which |w_n| is rounded off
@@ -75,8 +75,7 @@ def air_coefficients(air: Air, diameter: Scalar, spacing: Scalar) -> AirCoeffici
 
 def air_acts(air: Air, diameter: Scalar) -> Scalar:
     """Return whether a law of this module acts, else no element is computed in air.  Each law has its condition."""
-    drag_acts = drag_factor(air, diameter) > 0
-    return where(logical_or(drag_acts), 1.0, 0.0)
+    return where(drag_factor(air, diameter) > 0, 1.0, 0.0)
 
 
 def drag_factor(air: Air, diameter: Scalar) -> Scalar:

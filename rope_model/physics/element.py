@@ -132,6 +132,11 @@ POINTS = tuple((0.5 + 0.5 * _GAUSS_POINTS).tolist())
 WEIGHTS = tuple((0.5 * _GAUSS_WEIGHTS).tolist())
 
 
+#: entries of an element's q: angles of both nodes, and r' at the right one
+THETAS = [6, NODE_DOF + 6]
+RIGHT_SLOPE = slice(NODE_DOF + 3, NODE_DOF + 6)
+
+
 @dataclass(frozen=True)
 class ElementFunctions:
     """CasADi functions of an element; q, v, a are (2 m,) with m degrees of freedom of a node, 7 for ``torsional``.
@@ -174,99 +179,221 @@ def element_functions(
     fidelity: ElementFidelity = "torsional", frame_rate: FrameRate = smallest_rotation_rate
 ) -> ElementFunctions:
     """Build the functions; a second call with the same arguments returns the same objects."""
+    x = _arguments(fidelity)
+    point = _point_functions(frame_rate, x.torsional)
+    points = _points(x)
+    means = _means(x, points, point["means"])
+    mass = _translational_mass(x.l, x.P)
+    balance = _balance(x, points, means, point["balance"], mass)
+    R, J = _forces(x, points, means, point["tangent"], mass)
+    strains = ca.vertcat(means.e, means.tau, ca.sqrt(means.k_square), means.e_t, means.tau_t)
+    momentum = _momentum(x.q, x.v, mass, x.l, x.P)
+    reference = _frame_reference(x, points)
+    transport = _transport(x, means, frame_rate)
+
+    def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
+        return ca.Function(f"element_{name}", inputs, ca.cse(outputs))
+
+    l = x.l
+    P = x.P
+    F = x.F
+    c = [x.cq, x.cv, x.c_a]
+    q, v, a, q_prestress = x.symbols
+    return ElementFunctions(
+        residual=function("residual", [q, v, a, l, F, P], [R]),
+        tangent=function("tangent", [q, v, a, l, F, P, *c, q_prestress], [R, J]),
+        balance=function("balance", [q, v, l, F, P], [balance]),
+        losses=function("losses", [q, v, l, F, P], [balance[FIRST_POWER:]]),
+        strains=function("strains", [q, v, l, F], [strains]),
+        momentum=function("momentum", [q, v, l, P], [momentum]),
+        reference=function("reference", [q, l], [reference]),
+        transport=function("transport", [q, v, a, l, F], [transport]),
+    )
+
+
+class _Arguments(NamedTuple):
+    """Arguments of an element's functions; q, v, a and q_prestress have zeros where the fidelity has no symbols."""
+
+    torsional: bool
+    dofs: list[int]  # entries of q that have symbols
+    symbols: list[ca.SX]  # of q, v, a and q_prestress
+    q: ca.SX  # (14,)
+    v: ca.SX
+    a: ca.SX
+    q_prestress: ca.SX
+    l: ca.SX
+    P: ca.SX
+    F: ca.SX
+    cq: ca.SX
+    cv: ca.SX
+    c_a: ca.SX
+
+
+class _Point(NamedTuple):
+    """Gauss point of an element: weight, interpolation, z = (r', r'', theta) with its rates, and frame's reference."""
+
+    weight: float
+    B: ca.SX
+    z: ca.SX
+    z_t: ca.SX
+    z_tt: ca.SX
+    F: ca.SX
+
+
+class _Means(NamedTuple):
+    """Strains that an element has as means, with their rates, and the torque that follows."""
+
+    e: ca.SX
+    turning: ca.SX  # of the frame, per length
+    k_square: ca.SX
+    e_t: ca.SX
+    tau: ca.SX
+    tau_t: ca.SX
+    theta_x: ca.SX  # (2,), derivative of theta' with respect to the angles of both nodes
+    torque: ca.SX
+    elastic: ca.SX  # torque without damping
+
+
+def _arguments(fidelity: ElementFidelity) -> _Arguments:
     torsional = fidelity == "torsional"
     dofs = [*ELEMENT_DOF[fidelity], *(NODE_DOF + i for i in ELEMENT_DOF[fidelity])]
     symbols = [ca.SX.sym(name, len(dofs)) for name in ("q", "v", "a", "q_prestress")]
     q, v, a, q_prestress = (ca.SX.zeros(2 * NODE_DOF) for _ in symbols)
     for x, symbol in zip((q, v, a, q_prestress), symbols, strict=True):
         x[dofs] = symbol
-    l = ca.SX.sym("l")
-    P = ca.SX.sym("P", len(PARAMETERS))
-    p = parameters_from(P)
-    F = ca.SX.sym("F", FRAME_SIZE if torsional else 0)
-    cq = ca.SX.sym("cq")
-    cv = ca.SX.sym("cv")
-    c_a = ca.SX.sym("ca")
+    return _Arguments(
+        torsional=torsional,
+        dofs=dofs,
+        symbols=symbols,
+        q=q,
+        v=v,
+        a=a,
+        q_prestress=q_prestress,
+        l=ca.SX.sym("l"),
+        P=ca.SX.sym("P", len(PARAMETERS)),
+        F=ca.SX.sym("F", FRAME_SIZE if torsional else 0),
+        cq=ca.SX.sym("cq"),
+        cv=ca.SX.sym("cv"),
+        c_a=ca.SX.sym("ca"),
+    )
 
-    # all terms but weight and translation depend on the 11 relative coordinates r2 - r1, r', theta
-    # only
+
+def _points(x: _Arguments) -> list[_Point]:
+    """Return the Gauss points.
+
+    All terms but weight and translation depend on the 11 relative coordinates r2 - r1, r', theta
+    only.
+    """
     relative = relative_coordinates()
-    B = [interpolation(xi, l) for xi in POINTS]
-    z, z_t, z_tt = ([B_p @ relative @ x for B_p in B] for x in (q, v, a))
-    frames = ca.vertsplit(F[:-3], 6) if torsional else [F] * len(B)
-    points = list(zip(WEIGHTS, B, z, z_t, z_tt, frames, strict=True))
-    point = _point_functions(frame_rate, torsional)
+    B = [interpolation(xi, x.l) for xi in POINTS]
+    z, z_t, z_tt = ([B_p @ relative @ y for B_p in B] for y in (x.q, x.v, x.a))
+    frames = ca.vertsplit(x.F[:-3], 6) if x.torsional else [x.F] * len(B)
+    return [_Point(*point) for point in zip(WEIGHTS, B, z, z_t, z_tt, frames, strict=True)]
 
-    # means over the element: axial and torsional strain and their rates; the torque follows
+
+def _means(x: _Arguments, points: list[_Point], of_point: ca.Function) -> _Means:
+    """Return the means over the element: axial and torsional strain, their rates, the torque that follows."""
     means = sum(
-        (w * point["means"](z_p, v_p, F_p) for w, _, z_p, v_p, _, F_p in points),
+        (point.weight * of_point(point.z, point.z_t, point.F) for point in points),
         start=ca.SX.zeros(5),
     )
-    theta_x = ca.vertcat(-1 / l, 1 / l) if torsional else ca.SX.zeros(2)
-    tau = means[1] + ca.dot(theta_x, q[[6, 13]])
-    tau_t = means[4] + ca.dot(theta_x, v[[6, 13]])
-    torque, elastic = _torque(P, ca.vertcat(means[0], tau), ca.vertcat(means[3], tau_t))
+    theta_x = ca.vertcat(-1 / x.l, 1 / x.l) if x.torsional else ca.SX.zeros(2)
+    tau = means[1] + ca.dot(theta_x, x.q[THETAS])
+    tau_t = means[4] + ca.dot(theta_x, x.v[THETAS])
+    torque, elastic = _torque(x.P, ca.vertcat(means[0], tau), ca.vertcat(means[3], tau_t))
+    return _Means(
+        e=means[0],
+        turning=means[1],
+        k_square=means[2],
+        e_t=means[3],
+        tau=tau,
+        tau_t=tau_t,
+        theta_x=theta_x,
+        torque=torque,
+        elastic=elastic,
+    )
 
-    mass = _translational_mass(l, P)
-    weight = _weight(l, P)
+
+def _balance(
+    x: _Arguments, points: list[_Point], means: _Means, of_point: ca.Function, mass: ca.SX
+) -> ca.SX:
+    """Return BALANCE (9,)."""
     balance = ca.SX.zeros(len(BALANCE))
-    balance[BALANCE.index("kinetic")] = 0.5 * ca.dot(v, mass @ v)
-    balance[BALANCE.index("gravity")] = -ca.dot(weight, q)
+    balance[BALANCE.index("kinetic")] = 0.5 * ca.dot(x.v, mass @ x.v)
+    balance[BALANCE.index("gravity")] = -ca.dot(_weight(x.l, x.P), x.q)
+    for point in points:
+        terms = of_point(point.z, point.z_t, point.F, means.tau, means.tau_t, x.P)
+        balance += point.weight * x.l * terms
+    if x.torsional:
+        slope_rate = ca.dot(means.theta_x, x.v[THETAS])
+        balance[BALANCE.index("spin")] += 0.5 * _slope_inertia(x) * slope_rate**2
+    return balance
+
+
+def _forces(
+    x: _Arguments, points: list[_Point], means: _Means, of_point: ca.Function, mass: ca.SX
+) -> tuple[ca.SX, ca.SX]:
+    """Return the residual R (2 m,) and its tangent J (2 m, 2 m)."""
+    relative = relative_coordinates()
+    l = x.l
+    theta_x = means.theta_x
     R_r = ca.SX.zeros(11)
     J_r = ca.SX.zeros(11, 11)
     e_z = ca.SX.zeros(11)
     tau_z = ca.SX.zeros(11)
     tau_z[9:] = theta_x
-    for w, B_p, z_p, v_p, a_p, F_p in points:
-        shift = ca.norm_2((B_p @ relative @ q_prestress)[:3]) - ca.norm_2(z_p[:3])
-        R_p, J_p, strains_z = point["tangent"](
-            z_p, v_p, a_p, F_p, tau, tau_t, torque, elastic, P, cq, cv, c_a, shift
-        )
-        R_r += B_p.T @ (w * l * R_p)
-        J_r += B_p.T @ (w * l * J_p) @ B_p
-        e_z += w * B_p.T @ strains_z[0, :].T
-        tau_z += w * B_p.T @ strains_z[1, :].T
-        balance += w * l * point["balance"](z_p, v_p, F_p, tau, tau_t, P)
-    R_r[9:] += torque * l * theta_x
-    if torsional:
-        slope_inertia = p.rhoJ_x * l**3
-        R_r[9:] += slope_inertia * ca.dot(theta_x, a[[6, 13]]) * theta_x
-        J_r[9:, 9:] += c_a * slope_inertia * (theta_x @ theta_x.T)
-        balance[BALANCE.index("spin")] += 0.5 * slope_inertia * ca.dot(theta_x, v[[6, 13]]) ** 2
-    damped = cv * p.beta_K
+    shared = (means.tau, means.tau_t, means.torque, means.elastic, x.P, x.cq, x.cv, x.c_a)
+    for w, B, z, z_t, z_tt, F in points:
+        shift = ca.norm_2((B @ relative @ x.q_prestress)[:3]) - ca.norm_2(z[:3])
+        R_p, J_p, strains_z = of_point(z, z_t, z_tt, F, *shared, shift)
+        R_r += B.T @ (w * l * R_p)
+        J_r += B.T @ (w * l * J_p) @ B
+        e_z += w * B.T @ strains_z[0, :].T
+        tau_z += w * B.T @ strains_z[1, :].T
+    R_r[9:] += means.torque * l * theta_x
+    if x.torsional:
+        slope_inertia = _slope_inertia(x)
+        R_r[9:] += slope_inertia * ca.dot(theta_x, x.a[THETAS]) * theta_x
+        J_r[9:, 9:] += x.c_a * slope_inertia * (theta_x @ theta_x.T)
+    J_r += _tangent_through_means(x, means, e_z, tau_z)
+    R = mass @ x.a - _weight(l, x.P) + relative.T @ R_r
+    J = symmetric(x.c_a * mass + relative.T @ symmetric(J_r) @ relative)
+    return R[x.dofs], J[x.dofs, x.dofs]
+
+
+def _tangent_through_means(x: _Arguments, means: _Means, e_z: ca.SX, tau_z: ca.SX) -> ca.SX:
+    """Return the tangent (11, 11) of the torque through the means, whose gradients are ``e_z`` and ``tau_z``."""
+    p = parameters_from(x.P)
+    damped = x.cv * p.beta_K
     root = p.root_a
-    growth = cq * p.Qe
-    coupling = (cq + damped * root) * p.Qs + growth * tau
-    torsion = (cq + damped * root * root) * p.Qd + growth * means[0]
+    growth = x.cq * p.Qe
+    coupling = (x.cq + damped * root) * p.Qs + growth * means.tau
+    torsion = (x.cq + damped * root * root) * p.Qd + growth * means.e
     shared = coupling * e_z + 0.5 * torsion * tau_z
-    J_r += l * (shared @ tau_z.T + tau_z @ shared.T)
-    R = (mass @ a - weight + relative.T @ R_r)[dofs]
-    J = symmetric(c_a * mass + relative.T @ symmetric(J_r) @ relative)[dofs, dofs]
+    tangent: ca.SX = x.l * (shared @ tau_z.T + tau_z @ shared.T)
+    return tangent
 
-    def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
-        return ca.Function(name, inputs, ca.cse(outputs))
 
-    strains = ca.vertcat(means[0], tau, ca.sqrt(means[2]), means[3], tau_t)
-    momentum = _momentum(q, v, mass, l, P)
-    reference = F
-    transport = ca.SX.zeros(3)
-    if torsional:
-        right = slice(NODE_DOF + 3, NODE_DOF + 6)
-        reference = ca.vertcat(*(_frame(z_p) for z_p in z), q[right] / ca.norm_2(q[right]))
-        transport = ca.vertcat(
-            l * means[1], *_spin(frame_rate, F[-3:], q[right], v[right], a[right])
-        )
-    q, v, a, q_prestress = symbols
-    return ElementFunctions(
-        residual=function("element_residual", [q, v, a, l, F, P], [R]),
-        tangent=function("element_tangent", [q, v, a, l, F, P, cq, cv, c_a, q_prestress], [R, J]),
-        balance=function("element_balance", [q, v, l, F, P], [balance]),
-        losses=function("element_losses", [q, v, l, F, P], [balance[FIRST_POWER:]]),
-        strains=function("element_strains", [q, v, l, F], [strains]),
-        momentum=function("element_momentum", [*symbols[:2], l, P], [momentum]),
-        reference=function("element_reference", [q, l], [reference]),
-        transport=function("element_transport", [q, v, a, l, F], [transport]),
-    )
+def _slope_inertia(x: _Arguments) -> ca.SX:
+    """Return the inertia of theta's slope, kg m^3."""
+    inertia: ca.SX = parameters_from(x.P).rhoJ_x * x.l**3
+    return inertia
+
+
+def _frame_reference(x: _Arguments, points: list[_Point]) -> ca.SX:
+    """Return the reference F of a frame whose shape is q."""
+    if not x.torsional:
+        return x.F
+    slope = x.q[RIGHT_SLOPE]
+    return ca.vertcat(*(_frame(point.z) for point in points), slope / ca.norm_2(slope))
+
+
+def _transport(x: _Arguments, means: _Means, frame_rate: FrameRate) -> ca.SX:
+    """Return the increase of the angles (3,) when q becomes the reference."""
+    if not x.torsional:
+        return ca.SX.zeros(3)
+    motion = (y[RIGHT_SLOPE] for y in (x.q, x.v, x.a))
+    return ca.vertcat(x.l * means.turning, *_spin(frame_rate, x.F[-3:], *motion))
 
 
 def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Function]:

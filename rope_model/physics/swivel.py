@@ -10,7 +10,16 @@ with the tension T at the rope's end, the force along the tangent there.  T coun
 that pushes does not reduce the seal's friction.
 """
 
+from typing import NamedTuple
+
 from rope_model.physics.elementary import Scalar, Vector, dot, maximum, sqrt
+
+
+class Friction(NamedTuple):
+    """Moment that a bearing transmits as a function of the tension: constant + per_tension T."""
+
+    constant: Scalar  # N m
+    per_tension: Scalar  # N m over N
 
 
 def tension_along(sense: Scalar, d: Vector, force: Vector) -> Scalar:
@@ -22,8 +31,16 @@ def tension_along(sense: Scalar, d: Vector, force: Vector) -> Scalar:
     return sense * (dot(d, force) / sqrt(dot(d, d)))
 
 
-def friction_moment(
-    mu: Scalar, mean_diameter: Scalar, seal_moment: Scalar, tension: Scalar
-) -> Scalar:
-    """Return the largest moment (N m) that friction with coefficient ``mu`` transmits at ``tension`` (N)."""
-    return 0.5 * mu * mean_diameter * maximum(tension, 0.0) + seal_moment
+def friction_law(mu: Scalar, mean_diameter: Scalar, seal_moment: Scalar) -> Friction:
+    """Return the largest moment that friction with coefficient ``mu`` transmits."""
+    return Friction(constant=seal_moment, per_tension=0.5 * mu * mean_diameter)
+
+
+def pressing_tension(tension: Scalar) -> Scalar:
+    """Return the part of the ``tension`` (N) that presses the bearing: none of a rope that pushes."""
+    return maximum(tension, 0.0)
+
+
+def friction_moment(friction: Friction, tension: Scalar) -> Scalar:
+    """Return the moment (N m) at ``tension`` (N)."""
+    return friction.per_tension * pressing_tension(tension) + friction.constant

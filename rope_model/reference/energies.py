@@ -81,7 +81,7 @@ def powers(ends: Ends, motion: Motion) -> Powers:
     at_swivels = 0.0
     for side, node in enumerate(END_NODE):
         force = motion.reaction[node, POSITION]
-        moment = ends.moment(side, motion.reaction)
+        moment = ends.moment(side, motion)
         yaw_rate = SENSE[side] * ends.paths[side].at(motion.t)[1, YAW]
         at_ends += float(force @ motion.v[node, POSITION]) + moment * yaw_rate
         if ends.swivels[side].phase is Phase.SLIP:

@@ -26,6 +26,7 @@ from rope_model.parameters import Rope
 from rope_model.physics import element
 from rope_model.physics.element import BALANCE, NODE_DOF, parameters
 from rope_model.physics.node import ANGLE, SLOPE
+from rope_model.physics.swivel import pressing_tension
 from rope_model.reference.elements import over_elements
 
 Mask = NDArray[np.bool_]
@@ -136,12 +137,12 @@ class Equations:
         R = self.inertia * a - self.load
         R[:-1] += forces[:NODE_DOF].T
         R[1:] += forces[NODE_DOF:].T
-        R[:, ANGLE] -= self.friction * np.maximum(R[:, HEIGHT], 0.0)
+        R[:, ANGLE] -= self.friction * pressing_tension(R[:, HEIGHT])
         return R
 
     def _add_friction(self, band: Array, R: Array) -> None:
         """Add the change of the friction's moments with the vertical reactions ``R``."""
-        acting = (self.friction != 0) & (R[:, HEIGHT] > 0)
+        acting = (self.friction != 0) & (pressing_tension(R[:, HEIGHT]) > 0)
         for node in np.flatnonzero(acting).tolist():
             of_moment = NODE_DOF * node + ANGLE
             of_force = NODE_DOF * node + HEIGHT

@@ -18,8 +18,8 @@ from rope_model.method.swivel_phases import (
     Phase,
     SwivelState,
     beyond_rest,
+    kinetic_friction,
     relaxes,
-    swivel_friction,
 )
 from rope_model.parameters import Scene
 from rope_model.physics.centreline import line_yaw
@@ -134,7 +134,7 @@ def _sliding_side(rest: Rest, t: float) -> int | None:
         moment = float(rest.reaction[node, ANGLE])
         slides = relaxes(swivel, rest.ends.swivels[side], t)
         if slides and beyond_rest(swivel, tension, moment) >= 0:
-            frictions[side] = float(swivel_friction(swivel, swivel.mu_kinetic, tension))
+            frictions[side] = float(kinetic_friction(swivel, tension))
     return min(frictions, key=frictions.__getitem__, default=None)
 
 

@@ -121,7 +121,7 @@ def end_values(scene: Scene, state: State) -> Values:
     values: Values = {}
     for side, name in enumerate(SIDES):
         node = END_NODE[side]
-        torque = ends.moment(side, m.reaction)
+        torque = ends.moment(side, m)
         load = conveyance_load(m.q[node], m.reaction[node], torque)
         angle, rate = ends.relative(side, m)
         for axis, force, moment in zip(AXES, load[:3], load[3:], strict=True):

@@ -23,6 +23,7 @@ from rope_model.method.swivel_phases import (
     CHATTER_EVENTS,
     CHATTER_TIME,
     EVENT_WIDTH,
+    JUST_BEFORE,
     Phase,
     SwivelState,
     frictionless,
@@ -39,7 +40,6 @@ from rope_model.reference.state import LoggedEvent, State
 from rope_model.reference.swivel import Ends, slip, stick
 from rope_model.reference.transformation import with_mesh_for
 
-JUST_BEFORE = -1e-12  #: event function of a slip that has just begun: it has no rate yet
 ROUNDING = 1e-9  #: steps: a rest of the interval below it needs no step of its own
 
 

@@ -22,11 +22,16 @@ import numpy as np
 
 from rope_model.arrays import Array
 from rope_model.method.generalized_alpha import Motion
-from rope_model.method.swivel_phases import Phase, SwivelState, moment_of_swivel, swivel_excess
+from rope_model.method.swivel_phases import (
+    Phase,
+    SwivelState,
+    moment_of_swivel,
+    slip_load,
+    swivel_excess,
+)
 from rope_model.parameters import Scene, Swivel
 from rope_model.physics.element import NODE_DOF, parameters
 from rope_model.physics.node import ANGLE, END_NODE, POSITION
-from rope_model.physics.swivel import friction_moment
 from rope_model.reference.ends import SENSE, YAW, EndQuintic
 from rope_model.reference.equations import ALONG, HEIGHT, STRETCH, Equations, frame_at
 from rope_model.reference.mesh import RopeMesh
@@ -49,17 +54,14 @@ class Ends:
         friction = np.zeros(len(q))
         for side, node in enumerate(END_NODE):
             swivel = self.data(side)
-            phase, _, sign = self.swivels[side]
+            now = self.swivels[side]
+            moment = slip_load(swivel, now)
             held[node] = True
             held[node, STRETCH] = False
             inertia[node, ANGLE] = swivel.inertia
-            if phase is Phase.SLIP:
-                held[node, ANGLE] = False
-            if phase is Phase.SLIP and swivel.mode != "free":
-                load[node, ANGLE] = -sign * swivel.seal_moment
-                friction[node] = -sign * friction_moment(
-                    swivel.mu_kinetic, swivel.mean_diameter, 0.0, 1.0
-                )
+            held[node, ANGLE] = now.phase is not Phase.SLIP
+            load[node, ANGLE] = moment.constant
+            friction[node] = moment.per_tension
         return Equations(
             lengths=mesh.lengths,
             material=np.array(parameters(self.scene.rope, self.scene.layout.gravity)),
@@ -94,9 +96,9 @@ class Ends:
         rate = motion.v[node, ANGLE] - SENSE[side] * path[1, YAW]
         return float(angle), float(rate)
 
-    def moment(self, side: int, reaction: Array) -> float:
+    def moment(self, side: int, motion: Motion) -> float:
         """Return the moment M (N m) of the conveyance on the rope's end, about the tangent."""
-        R = reaction[END_NODE[side]]
+        R = motion.reaction[END_NODE[side]]
         state = self.swivels[side]
         return float(moment_of_swivel(self.data(side), state, float(R[HEIGHT]), float(R[ANGLE])))
 

@@ -22,6 +22,7 @@ from checkout import ROOT
 from exports import ARCHIVES, ARCHIVES_EVERYWHERE
 from fmpy.validation import validate_fmu
 from lark import Lark
+from native_parts import WARNINGS
 
 from fmu_src.interface import variables
 from fmu_src.native.build import PLATFORMS, available_platforms, host_platform
@@ -435,7 +436,7 @@ def test_sources_compile_for_other_systems(platform: str, fmu: Archive, tmp_path
     )
     # older compilers have not all of these warnings
     quiet = (*quiet, "unknown-warning-option")
-    clang += ["-Wall", "-Wextra", "-Werror", *(f"-Wno-{kind}" for kind in quiet)]
+    clang += [*WARNINGS, *(f"-Wno-{kind}" for kind in quiet)]
     command = [
         *clang,
         "-fsyntax-only",

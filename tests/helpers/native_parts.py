@@ -36,7 +36,8 @@ from rope_model.state import Nearest
 
 Array = NDArray[np.float64]
 
-WARNINGS = ("-Wall", "-Wextra", "-Werror")
+#: warnings under which tests compile C, as errors
+WARNINGS = ("-Wall", "-Wextra", "-Wshadow", "-Werror")
 MESSAGE = 512
 
 

@@ -1,13 +1,20 @@
 """Drag of the air and forces that a host puts on places of the rope: elements and ropes that have them."""
 
+import json
 import math
+import os
+import shutil
+import subprocess
+import sys
 from dataclasses import replace
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from air_scenes import STEP, ends, scene
+from checkout import ROOT
 from numpy.testing import assert_allclose, assert_array_equal
 from scenes import followed, hung, wound
 from shared import difference
@@ -325,3 +332,78 @@ def test_a_rope_that_chooses_its_model_takes_the_one_that_feels_forces() -> None
     assert rope.advance_to(STEP, EndMotion(), EndMotion()).valid
     assert (rope.fidelity, rope.fidelity_reason[:21]) == ("torsional", "the rigid model canno")
     assert hung(rope).fidelity_reason == "forces are applied to places of the rope"
+
+
+#: a law of the air that acts without drag, a force per length along X, as docs/extending.md adds it
+SECOND_LAW = {
+    "shaft_parameters.py": (
+        (
+            '    vx: float = _velocity("X", _ACROSS)\n',
+            '    push: float = parameter(0.0, "N/m", "force", Bounds(-9.0, 9.0, "use 0 for none"))\n'
+            '    vx: float = _velocity("X", _ACROSS)\n',
+        ),
+    ),
+    "physics/air.py": (
+        ("dot, sqrt, where\n", "dot, logical_or, sqrt, where\n"),
+        (
+            "    cross_height: float  # height of the gallery's mouth\n",
+            "    cross_height: float  # height of the gallery's mouth\n    push: float\n",
+        ),
+        ("spacing, *cross)\n", "spacing, *cross, air.push)\n"),
+        (
+            "    return where(drag_factor(air, diameter) > 0, 1.0, 0.0)\n",
+            "    acts = logical_or(drag_factor(air, diameter) > 0, air.push != 0)\n"
+            "    return where(acts, 1.0, 0.0)\n",
+        ),
+        (
+            "    force = [-air.factor * size * x for x in across]\n",
+            "    force = [-air.factor * size * x for x in across]\n"
+            "    force[0] = force[0] + air.push\n",
+        ),
+    ),
+}
+#: prints the forces along X of a rope of 10 m at rest without drag under 3 N/m, and its warnings in
+#: motion
+PUSHED = """
+import json
+from rope_model import EndMotion, Mesh, Rope, Scene, Shaft, balance_rope
+from rope_model.shaft_parameters import Air
+air = Air(density=1.2, drag=0.0, push=3.0)
+rope = balance_rope(Scene(Rope(length=10.0), mesh=Mesh("eem", elements=10), shaft=Shaft(air=air)))
+status = rope.initialize(0.0, EndMotion(), EndMotion())
+assert status.valid, status.message
+forces = [*rope.signals(["left.fx", "right.fx"]).values()]
+for k in range(1, 21):
+    t = 0.01 * k
+    up = EndMotion(y=t**3, vy=3 * t**2, ay=6 * t)
+    status = rope.advance_to(t, EndMotion(), up)
+    assert status.valid, status.message
+print(json.dumps({"forces": forces, "warnings": rope.warnings()}))
+"""
+
+
+@pytest.mark.slow
+def test_an_engine_with_a_second_law_of_the_air_feels_it_without_drag(tmp_path: Path) -> None:
+    """Force and momentum: a copy of the package, with the law added in the two files of the recipe, is compiled."""
+    package = tmp_path / "rope_model"
+    shutil.copytree(ROOT / "rope_model", package, ignore=shutil.ignore_patterns("__pycache__"))
+    for name, changes in SECOND_LAW.items():
+        text = (package / name).read_text(encoding="utf-8")
+        for old, new in changes:
+            assert text.count(old) == 1, (name, old)
+            text = text.replace(old, new)
+        (package / name).write_text(text, encoding="utf-8")
+    own = {"PYTHONPATH": str(tmp_path), "BALANCE_ROPE_CACHE": str(tmp_path / "cache")}
+    done = subprocess.run(
+        [sys.executable, "-c", PUSHED],
+        cwd=tmp_path,
+        env=os.environ | own,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    # the sum along the rope, whatever its shape; the statics balance to rounding of its stiffness
+    assert_allclose(sum(found["forces"]), 3.0 * 10.0, rtol=1e-6)
+    assert "missing_loads" not in found["warnings"]

@@ -15,10 +15,13 @@ from rope_model.codegen.expressions import texts_of
 from rope_model.codegen.formula_functions import function_code, shape_of, symbols_of
 from rope_model.codegen.formulas import FORMULAS
 from rope_model.codegen.messages import texts
+from rope_model.codegen.rules import FACTS, number_code, table_code
 from rope_model.codegen.signatures import Argument, Formula
 from rope_model.codegen.structures import GROUPS, SceneStructure
-from rope_model.parameters import Scene
-from rope_model.physics.elementary import where
+from rope_model.messages import fidelity_messages
+from rope_model.method.mesh_pattern import InnerCounts
+from rope_model.parameters import Scene, Swivel
+from rope_model.physics.elementary import Scalar, where
 
 #: where a formula asks for more than a number between 0.5 and 1
 VALUES = {"number": 800.0}
@@ -183,3 +186,27 @@ def test_c_says_what_python_says(spoken: ct.CDLL, name: str) -> None:
         values = [SAMPLES[kind][k % len(SAMPLES[kind])] for kind in kinds(name)]
         assert say(room, *map(as_c_text, values)) == 0
         assert room.value.decode() == TEXTS[name](*values)[:511]
+
+
+def test_the_type_of_a_rules_argument_in_c_follows_from_its_annotation() -> None:
+    def reach(rope_data: Scene, friend: Swivel, how: str, parts: InnerCounts, x: Scalar) -> Scalar:
+        return where(how == "rigid", parts[4] * rope_data.left.inertia, x * friend.inertia)
+
+    head = "double reach(const Scene *rope_data, const Swivel *friend, int how, const int parts[5], double x)"
+    assert head in number_code(reach)
+
+
+def test_a_rules_argument_without_a_type_in_c_is_refused() -> None:
+    def scaled(scene: Scene, x: dict[str, float]) -> Scalar:
+        return scene.rope.length * x["factor"]
+
+    with pytest.raises(TypeError, match=r"x has the annotation .* no type in C: annotate it"):
+        number_code(scaled)
+
+
+def test_a_table_whose_formula_takes_other_facts_is_refused() -> None:
+    def applies(scene: Scene, left: float) -> tuple[Scalar, ...]:
+        return (scene.rope.length > left,)
+
+    with pytest.raises(TypeError, match=r"applies of the table torque takes .* it must take"):
+        table_code("torque", {fidelity_messages.coupled: applies}, FACTS["torque"])

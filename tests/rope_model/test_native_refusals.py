@@ -5,6 +5,7 @@ import re
 from dataclasses import replace
 from typing import Literal
 
+import numpy as np
 import pytest
 from scenes import hung
 
@@ -15,6 +16,7 @@ from rope_model import (
     Lining,
     Mesh,
     Model,
+    PointForces,
     Rope,
     Scene,
     Shaft,
@@ -153,6 +155,16 @@ def test_a_refused_state_changes_nothing_and_there_is_none_before_the_start() ->
         other.restore(rope.state._replace(step_next=math.nan))
     assert other.native_state() == before
     assert other.state.fidelity == "planar"
+
+
+@pytest.mark.parametrize("fidelity", ["rigid", "auto"])
+def test_a_rigid_rope_has_no_displacement_by_forces(fidelity: Literal["rigid", "auto"]) -> None:
+    """Neither where the model is rigid by choice, nor where 'auto' takes it."""
+    rope = hung(NativeRope(Scene(Rope(length=40.0, Qb=0.0, Qc=0.0), model=Model(fidelity, 1.0))))
+    assert rope.fidelity == "rigid"
+    push = np.ones((1, 3))
+    with pytest.raises(ValueError, match=r"forces do not move .* rigid model; set model\.fidelity"):
+        rope.displacement(PointForces(np.array([10.0]), push, push, 0.0, 1.0))
 
 
 @pytest.mark.slow

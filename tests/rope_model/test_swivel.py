@@ -1,7 +1,9 @@
 """Swivels: friction law, stick without creep, located switching, energy; at a rest that friction can hold."""
 
+import re
 from dataclasses import replace
 from functools import partial
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -21,9 +23,12 @@ from rope_model import (
     Swivel,
     balance_rope,
 )
+from rope_model.codegen.build import written
+from rope_model.codegen.rules import rules_code
+from rope_model.method import swivel_phases
 from rope_model.method.statics import lacks_symmetry
 from rope_model.method.swivel_phases import Phase, SwivelState, swivel_excess
-from rope_model.physics.swivel import friction_moment
+from rope_model.physics.swivel import Friction, friction_law, friction_moment
 from rope_model.reference.ends import SENSE, EndQuintic, onwards
 from rope_model.reference.rope import ReferenceRope
 from rope_model.reference.swivel import Ends as ReferenceEnds
@@ -58,9 +63,57 @@ def twist(data: Scene) -> tuple[BalanceRope, tuple[Event, ...]]:
 
 def test_friction_follows_the_tension_and_never_turns_negative() -> None:
     assert_allclose(
-        friction_moment(0.0018, 0.09, 0.2, 4700.0), 0.2 + 0.5 * 0.0018 * 0.09 * 4700.0, rtol=1e-15
+        friction_moment(friction_law(0.0018, 0.09, 0.2), 4700.0),
+        0.2 + 0.5 * 0.0018 * 0.09 * 4700.0,
+        rtol=1e-15,
     )
-    assert friction_moment(0.1, 0.09, 0.2, -500.0) == 0.2
+    assert friction_moment(friction_law(0.1, 0.09, 0.2), -500.0) == 0.2
+
+
+def _another_law(mu: float, mean_diameter: float, seal_moment: float) -> Friction:
+    law = friction_law(mu, mean_diameter, seal_moment)
+    return Friction(constant=law.constant + 0.375, per_tension=3.0 * law.per_tension)
+
+
+@pytest.mark.parametrize("tension", [4700.0, -500.0])
+@pytest.mark.parametrize("mode", ["coulomb", "free"])
+def test_equations_and_outputs_follow_one_friction_law(
+    mode: Literal["coulomb", "free"], tension: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bearing = replace(STIFF_BEARING, mode=mode, seal_moment=0.25)
+    start = hung(balance_rope(scene(left=bearing, right=bearing), form="reference")).state
+    slipping = SwivelState(Phase.SLIP, 0.0, -1.0)
+    ends = replace(start.ends(scene(left=bearing, right=bearing)), swivels=(slipping, slipping))
+    reaction = np.zeros_like(start.motion.q)
+    reaction[:, 1] = tension
+    moments = []
+    for law in (friction_law, _another_law):
+        monkeypatch.setattr(swivel_phases, "friction_law", law)
+        equations = ends.equations(start.mesh, start.motion.q)
+        output = ends.moment(0, replace(start.motion, reaction=reaction))
+        assert output == equations.load[0, 6] + equations.friction[0] * max(tension, 0.0)
+        moments.append(output)
+    expected = 0.25 + 0.5 * 0.014 * bearing.mean_diameter * max(tension, 0.0)
+    another = 0.625 + 3.0 * (expected - 0.25)
+    assert_allclose(moments, [expected, another] if mode == "coulomb" else 0.0, rtol=1e-14)
+
+
+def test_all_c_of_a_swivels_friction_follows_one_law(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(swivel_phases, "friction_law", _another_law)
+    code = rules_code()
+    for name in (
+        "frictionless",
+        "kinetic_friction",
+        "slip_constant",
+        "beyond_rest",
+        "moment_of_swivel",
+        "swivel_excess",
+    ):
+        text = code.partition(f"double {name}(")[2].partition("\n}\n")[0]
+        assert "seal_moment + 0.375" in text, name
+    for path in written():  # nor does C that is not generated repeat it
+        text = path.read_text(encoding="utf-8")
+        assert not re.search("mu_kinetic|mu_static|mean_diameter|seal_moment", text), path.name
 
 
 def test_stick_does_not_creep() -> None:
@@ -241,7 +294,8 @@ def limit(rope: BalanceRope, swivel: Swivel, side: str) -> float:
     if swivel.mode == "locked":
         return 1e3
     tension = -rope.signals()[f"{side}.fy"]
-    return friction_moment(swivel.mu_static, swivel.mean_diameter, swivel.seal_moment, tension)
+    law = friction_law(swivel.mu_static, swivel.mean_diameter, swivel.seal_moment)
+    return friction_moment(law, tension)
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -277,7 +331,8 @@ def test_the_weaker_swivel_slides_by_the_angle_of_the_torque_that_it_does_not_ho
     held = (
         ROPE.Qc / ROPE.Qa * ROPE.mass_per_length * 9.81 * (short**2 + long**2) / (2 * ROPE.length)
     )
-    kinetic = friction_moment(HEALTHY.mu_kinetic, HEALTHY.mean_diameter, 0.0, -now["left.fy"])
+    law = friction_law(HEALTHY.mu_kinetic, HEALTHY.mean_diameter, 0.0)
+    kinetic = friction_moment(law, -now["left.fy"])
     assert_allclose(now["right.swivel.torque"], kinetic, rtol=1e-6)
     slid = (held - kinetic) * ROPE.length / torsion - 2 * now["loop.yaw"]
     assert_allclose(now["left.swivel.angle"], twist + slid, rtol=0, atol=0.05 * slid)

@@ -16,6 +16,7 @@
 #include "ends.h"
 
 #include <math.h>
+#include <stdbool.h>
 
 #include "formulas.h"
 #include "messages.h"
@@ -87,13 +88,16 @@ RopeStatus check_input_age(const Inputs *inputs, double t, const InputFilter *en
     return ROPE_DONE;
 }
 
-double ends_tension(const Scene *scene, int side, const double *q, const double *reaction) {
-    return tension_at_end(scene->swivels[side].attachment == PLUMB, side, q, reaction);
+double ends_tension(const Scene *scene, const NodalArrays *nodal, int side) {
+    const bool plumb = scene->swivels[side].attachment == PLUMB;
+    const double *q = end_row(nodal->q, nodal->nodes, side);
+    return tension_at_end(plumb, side, q, end_row(nodal->reaction, nodal->nodes, side));
 }
 
-double ends_moment(const Scene *scene, const SwivelState *now, int side, const double *q, const double *reaction) {
-    const double tension = ends_tension(scene, side, q, reaction);
-    return moment_of_swivel(&scene->swivels[side], now, tension, reaction[ANGLE]);
+double ends_moment(const Scene *scene, const State *state, const NodalArrays *nodal, int side) {
+    const double tension = ends_tension(scene, nodal, side);
+    const double constraint_moment = end_row(nodal->reaction, nodal->nodes, side)[ANGLE];
+    return moment_of_swivel(&scene->swivels[side], &state->swivels[side], tension, constraint_moment);
 }
 
 void ends_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]) {

@@ -29,10 +29,11 @@ RopeStatus check_motion(const Scene *scene, const EndMotion *target, const doubl
 double end_strain(const Scene *scene, int nodes, const double *q, const double *x, int side);
 /* Refuse a motion that has not changed for longer than hold_max. */
 RopeStatus check_input_age(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message);
-/* Return the tension at an end, N, from its rows of q and of the reaction. */
-double ends_tension(const Scene *scene, int side, const double *q, const double *reaction);
-/* Return the moment about the tangent on the rope's end, N m, from the end's rows of q and of the reaction. */
-double ends_moment(const Scene *scene, const SwivelState *now, int side, const double *q, const double *reaction);
+/* Return the tension at an end of a motion, N. */
+double ends_tension(const Scene *scene, const NodalArrays *nodal, int side);
+/* Return the moment about the tangent on the rope's end, N m: from the swivel's phase in `state`, and from the motion
+   and the reactions in `nodal`. */
+double ends_moment(const Scene *scene, const State *state, const NodalArrays *nodal, int side);
 /* Angle and rate of the rope's end against the conveyance, from theta and its rate. */
 void ends_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]);
 /* Prescribed q, v and a of an end. */

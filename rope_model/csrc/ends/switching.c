@@ -28,7 +28,7 @@ static double excess_of(const Scene *scene, const State *state, int side, double
     const double *R = end_row(nodal->reaction, nodal->nodes, side);
     double relative[2];
     ends_relative(state, side, t, q[ANGLE], v[ANGLE], relative);
-    const double tension = ends_tension(scene, side, q, R);
+    const double tension = ends_tension(scene, nodal, side);
     return swivel_excess(&scene->swivels[side], &state->swivels[side], tension, R[ANGLE], relative[1]);
 }
 
@@ -85,7 +85,7 @@ Switching switching_step(Simulator *sim, State *state, StepResult *trial) {
         return SWITCHES;
     }
     double at_start = excess(&sim->scene, state, state->t, &nodal);
-    if (at_start >= 0) at_start = -1e-12; /* the rate of a slip that has just begun is zero */
+    if (at_start >= 0) at_start = JUST_BEFORE;
     const double h = locate(excess_after, &search, 0, trial->t - state->t, at_start, at_end, EVENT_WIDTH);
     *trial = compute_trial(sim, state, h);
     state->counts.newton += search.iterations + trial->newton.iterations;

@@ -47,10 +47,8 @@ void update_guards(const Scene *scene, State *state) {
     for (int kind = 0; kind < KINDS; kind++) nearest[kind] = (Nearest){.clearance = guard->clearance};
     shaft_nearer(scene, &nodal, state->t, nearest);
     for (int kind = 0; kind < KINDS; kind++) clearance = minimum(clearance, nearest[kind].clearance);
-    for (int side = LEFT; side <= RIGHT; side++) {
-        const double *q = end_row(nodal.q, nodal.nodes, side), *R = end_row(nodal.reaction, nodal.nodes, side);
-        torque = maximum(torque, fabs(ends_moment(scene, &state->swivels[side], side, q, R)));
-    }
+    for (int side = LEFT; side <= RIGHT; side++)
+        torque = maximum(torque, fabs(ends_moment(scene, state, &nodal, side)));
     const double quantities[GUARDS] = {
         guard->rise_y <= -FAR ? guards_rise(scene, state, &nodal, &bottom) : bottom.position[1] - guard->rise_y,
         guards_sideways(&nodal, guard->window_y, &bottom),

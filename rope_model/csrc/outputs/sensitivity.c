@@ -30,12 +30,16 @@
 /* VECTORS: members of EndMotion before the yaw, three of each order */
 enum { UP = 1, VECTORS = 9, ANGLE_PATH = 3, AXES = 4, PATHS = 6, POWERS = 6, LOADS = 12 };
 
-/* Largest changes of an end within the step, in m and in rad: large against rounding, and small against all that a
-   rope's stiffness changes with. */
+/* Largest displacement, m, and rotation, rad, that a change adds to the motion of an end within the step.  The loads'
+   response to them exceeds the loads' rounding errors by far, and the rope's stiffness stays the same along them. */
 #define LARGEST_MOVE 1e-5
 #define LARGEST_TURN 1e-3
-/* Shortest time in which an end may move so, s: in less, the change of its speed is a strain of more than 1e-6. */
+/* Duration of a step, s, below which both shrink in proportion to it.  So the speed of the end changes by some 10 mm/s
+   at most; over the speed of axial waves, some km/s, that is a strain of a few millionths. */
 #define SHORTEST_MOVE 1e-3
+/* Relative change (absolute below 1) that makes an input differ from its latest sample: at least one and a half units
+   in the last place, so that rounding cannot undo it. */
+#define ANOTHER_SAMPLE 4e-16
 /* Share of the largest changes where wires rub: they begin to slide, or stick again, after a bend that a larger change
    of an end makes. */
 #define SHARE_OF_RUBBING 1e-3
@@ -53,7 +57,7 @@ static void end_loads(const Scene *scene, State *state, double loads[LOADS]) {
     const NodalArrays nodal = state_arrays(state);
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *q = end_row(nodal.q, nodal.nodes, side), *R = end_row(nodal.reaction, nodal.nodes, side);
-        conveyance_load(q, R, ends_moment(scene, &state->swivels[side], side, q, R), loads + 6 * side);
+        conveyance_load(q, R, ends_moment(scene, state, &nodal, side), loads + 6 * side);
     }
 }
 
@@ -158,7 +162,7 @@ static Change change_with(const Scene *scene, const State *start, const HostStep
     direction[place] = 1;
     /* A motion with a change is no repetition of the latest sample. */
     const double value = end_value(&end, place);
-    if (value == latest[place]) set_end_value(&end, place, value + 4e-16 * fmax(1, fabs(value)));
+    if (value == latest[place]) set_end_value(&end, place, value + ANOTHER_SAMPLE * fmax(1, fabs(value)));
     path_change(&start->paths[side], &start->filters[side], &settings, host->asked_at, host->stop, &end, direction,
                 change.coefficients);
     return change;

@@ -40,7 +40,7 @@ static void end_signals(Simulator *sim, double *values) {
     for (int side = LEFT; side <= RIGHT; side++, values += SIGNAL_RIGHT_FX - SIGNAL_LEFT_FX) {
         const double *q = end_row(nodal.q, nodal.nodes, side), *v = end_row(nodal.v, nodal.nodes, side);
         const double *reaction = end_row(nodal.reaction, nodal.nodes, side);
-        const double torque = ends_moment(&sim->scene, &state->swivels[side], side, q, reaction);
+        const double torque = ends_moment(&sim->scene, state, &nodal, side);
         conveyance_load(q, reaction, torque, values + SIGNAL_LEFT_FX);
         ends_relative(state, side, state->t, q[ANGLE], v[ANGLE], values + SIGNAL_LEFT_SWIVEL_ANGLE);
         values[SIGNAL_LEFT_FY_MEAN] = state->force_mean[side];

@@ -169,9 +169,9 @@ static RopeStatus relax(Simulator *sim, State *state, const Before *before, char
         for (int side = LEFT; side <= RIGHT; side++) {
             const Swivel *swivel = &sim->scene.swivels[side];
             const double *R = end_row(nodal.reaction, nodal.nodes, side);
-            const double tension = ends_tension(&sim->scene, side, end_row(nodal.q, nodal.nodes, side), R);
+            const double tension = ends_tension(&sim->scene, &nodal, side);
             if (sign[side] != 0 || !relaxes(swivel, &state->swivels[side], state->t)) continue;
-            const double friction = swivel_friction(swivel, swivel->mu_kinetic, tension);
+            const double friction = kinetic_friction(swivel, tension);
             if (!(beyond_rest(swivel, tension, R[ANGLE]) >= 0 && friction < least)) continue;
             loosest = side;
             least = friction;
@@ -208,9 +208,9 @@ static RopeStatus hang_in_loop(Simulator *sim, State *state, char *message) {
 
 void paths_at_rest(const Scene *scene, State *state, const EndMotion ends[2], double placed) {
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double now = not_plumb(scene) ? placed : 1, sense = side ? 1 : -1;
-        const EndMotion placed = partly_placed(scene, &ends[side], &ends[!side], sense, now);
-        state->paths[side] = path_resting(state->t, &placed);
+        const double share = not_plumb(scene) ? placed : 1, sense = side ? 1 : -1;
+        const EndMotion end = partly_placed(scene, &ends[side], &ends[!side], sense, share);
+        state->paths[side] = path_resting(state->t, &end);
     }
 }
 
