@@ -43,6 +43,7 @@ from hoist_demo.cosimulation.schemes.interface import (
     ADDED_MASSES,
     ROPE_FORCES,
     SUCCESS,
+    ParticipantFailed,
     Reader,
     end_signals,
 )
@@ -347,11 +348,11 @@ class FmuRope:
 
     @contextmanager
     def _translate_failures(self) -> Iterator[None]:
-        """Raise a failed call as RuntimeError, so that callers need no FMPy."""
+        """Raise a failed call as ParticipantFailed, so that callers need no FMPy."""
         try:
             yield
         except CallError as error:
-            raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
+            raise ParticipantFailed(f"the FMU fails: {self._explanation(error)}") from error
 
     def _explanation(self, error: Exception) -> str:
         """Return the cause of a failed call, with the FMU's messages."""
