@@ -174,9 +174,9 @@ def _wind(
         print(f"{len(rows)} of {schedule.count} trips are there already")
     with progress_bar() as bar:
 
-        def progress(number: int) -> Callable[[float, float], bool]:
+        def progress(trip_number: int) -> Callable[[float, float], bool]:
             return lambda part, t: (
-                bar((number - 1 + part) / schedule.count, t) and not interrupted()
+                bar((trip_number - 1 + part) / schedule.count, t) and not interrupted()
             )
 
         torque_free = {one.name: one.torque_free for one in identities}
