@@ -2,6 +2,7 @@
 
 import argparse
 import csv
+import logging
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
@@ -331,6 +332,15 @@ def test_the_fmu_that_is_wound_is_the_given_one_or_the_default_that_exists(tmp_p
     assert wind._chosen_fmu(left_open, default) == default
     assert wind._chosen_fmu(in_process, default) is None
     assert left_open == argparse.Namespace(fmu=None, in_process=False)
+
+
+def test_an_error_shows_its_place_with_verbose_alone(caplog: pytest.LogCaptureFixture) -> None:
+    shown = []
+    for level in (logging.WARNING, logging.INFO):
+        with caplog.at_level(level):
+            assert main(["show", "no such hoist"]) == 2
+        shown.append("Traceback" in caplog.text)
+    assert shown == [False, True]
 
 
 def test_a_level_that_is_not_wound_is_told(
