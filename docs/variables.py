@@ -66,11 +66,11 @@ def interface_page() -> str:
     )
 
 
-def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+def _table(heads: Sequence[str], lines_of_cells: Iterable[Sequence[str]]) -> str:
     lines = [
         f"| {' | '.join(heads)}|",
         "|---" * len(heads) + "|",
-        *(f"| {' | '.join(row)} |" for row in rows),
+        *(f"| {' | '.join(row)} |" for row in lines_of_cells),
     ]
     return "\n".join(lines)
 

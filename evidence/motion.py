@@ -166,7 +166,10 @@ class Started(Markers):
                 rope.apply(PointForces(s, pull, pull, rope.time, t))
             elif k == LEAD + 1:
                 rope.apply(NO_FORCES)
-            status = (rope.initialize if k == before else rope.advance_to)(t, *ends)
+            if k == before:
+                status = rope.initialize(t, *ends)
+            else:
+                status = rope.advance_to(t, *ends)
             if not status.valid:
                 raise RuntimeError(f"{self.file}, {t:g} s from its first time: {status.message}")
             if k >= LEAD:

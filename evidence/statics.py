@@ -44,8 +44,8 @@ def clamped(q: Array) -> Mask:
 
 def rod(rope: Rope, gravity: float, q: Array, mask: Mask) -> Equations:
     """Return the equations of a ``rope`` on equal elements, held by ``mask`` where ``q`` (nodes, 7) is."""
-    elements = len(q) - 1
-    lengths = np.full(elements, rope.length / elements)
+    count = len(q) - 1
+    lengths = np.full(count, rope.length / count)
     return Equations.of(rope, gravity, lengths, q, mask)
 
 

@@ -164,13 +164,17 @@ def _marks(ax: Axes, bound: float) -> None:
     ax.set(ylim=(low, high), xlim=(left, max(right, 1.3)))
     for x, name in REAL_TIME.items():
         ax.axvline(x, color="#c0392b", lw=0.9, ls=":", zorder=1)
-        where: dict[str, Any] = {
-            "transform": ax.get_xaxis_transform(),
-            "rotation": 90,
-            "va": "bottom",
-            "ha": "right",
-        }
-        ax.text(x, 0.01, f"{name} ", color="#c0392b", fontsize=9, **where)
+        ax.text(
+            x,
+            0.01,
+            f"{name} ",
+            color="#c0392b",
+            fontsize=9,
+            transform=ax.get_xaxis_transform(),
+            rotation=90,
+            va="bottom",
+            ha="right",
+        )
     ax.axhspan(low, bound, color="#f0f0f0", zorder=0)
     ax.text(
         left * 1.05,

@@ -164,9 +164,10 @@ def through_fmu(case: Case, path: Path) -> Iterator[Step]:
         fmu.setBoolean([variables["inputs_at_step_end"].valueReference], [True])
         for name, value in case.parameters.items():
             variable = variables[name]
-            (fmu.setReal if variable.type == "Real" else fmu.setInteger)(
-                [variable.valueReference], [value]
-            )
+            if variable.type == "Real":
+                fmu.setReal([variable.valueReference], [value])
+            else:
+                fmu.setInteger([variable.valueReference], [value])
         fmu.setupExperiment(startTime=0.0)
         fmu.enterInitializationMode()
         fmu.fmi2SetReal(fmu.component, inputs, len(inputs), values[0])

@@ -17,11 +17,11 @@ EEM_ELEMENTS = (135, 150, 200, 300, 450, 600)
 
 def measure() -> Tables:
     """Time equal elements on the coupled winding."""
-    rows = []
+    times = []
     for n in EEM_ELEMENTS:
         run = follow(scene_of("coupled", Mesh(kind="eem", elements=n)), f"EEM {n}")
-        rows.append((n, run.cpu, run.rope.state.counts.steps))
-    return {"costs": table(("elements", "processor time [s]", "steps"), rows)}
+        times.append((n, run.cpu, run.rope.state.counts.steps))
+    return {"costs": table(("elements", "processor time [s]", "steps"), times)}
 
 
 def median_time(tables: Tables, coupling: str, mesh: str) -> float:

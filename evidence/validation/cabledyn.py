@@ -150,16 +150,16 @@ class Cable:
             Path(folder, "motion.txt").write_text("\n".join(motion), encoding="utf-8")
             run = cabledyn.CableDynDriver().run(deck, Path(folder, "u"))
             history = run.read_main()
-            moving, held, torque = (np.array(history.column(name)) for name in outputs)
+            moving_force, held_force, torque = (np.array(history.column(name)) for name in outputs)
             places = np.array(run.read_line_positions(1).values)[:, 1:].reshape(
                 len(ends), self.elements + 1, 3
             )
             tension = np.array(run.read_line_tensions(1).values)[:, 1:]
         half = 0.5 * ROPE.mass_per_length * self.length / self.elements
-        moving = moving + half * np.array([e.ay for e in ends])
+        moving_force = moving_force + half * np.array([e.ay for e in ends])
         x, back, up = np.moveaxis(places, 2, 0)
         nodes = np.stack((x - 0.5 * self.spacing, up, -back), axis=2)
-        return Found(np.stack((moving, held), axis=1), torque, nodes, tension)
+        return Found(np.stack((moving_force, held_force), axis=1), torque, nodes, tension)
 
 
 def winding() -> Table:

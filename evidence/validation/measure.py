@@ -219,8 +219,8 @@ SHOWN = ("wires", "poses", "pulls", "coupled_rest", "coupled_winding")
 def tables() -> Tables:
     """Measure all rows; some ten minutes."""
     found = {name: part[0]() for name, part in PARTS.items()}
-    rows = [row for name, part in PARTS.items() for row in part[1](found[name])]
-    return {**{name: found[name] for name in SHOWN}, "rows": as_table(rows)}
+    judged = [row for name, part in PARTS.items() for row in part[1](found[name])]
+    return {**{name: found[name] for name in SHOWN}, "rows": as_table(judged)}
 
 
 def missed(recorded: Tables) -> Iterator[str]:

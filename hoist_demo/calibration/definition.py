@@ -6,7 +6,7 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
-from hoist_demo.calibration.fit import MIDDLE
+from hoist_demo.calibration.fit import MIDDLE, NotComputed
 from hoist_demo.calibration.measurements import (
     FIDELITY,
     CalibrationProblem,
@@ -117,7 +117,7 @@ class MeasurementFile(RopeAnalysisFile):
             for left, right, _ in one.end_places:
                 try:
                     predictor.signal("left.fy", left, right)
-                except RuntimeError as error:
+                except NotComputed as error:
                     problem = f"measured {k}: the rope cannot hang {error}"
                     raise FileError(self.path, [problem]) from error
 

@@ -55,6 +55,10 @@ XTOL = 1e-6
 SIGNIFICANCE = 0.01  #: p-value below which the measurements contradict the model.
 
 
+class NotComputed(RuntimeError):
+    """Rope that cannot be computed with these values: a search turns back from them."""
+
+
 @dataclass(frozen=True)
 class Fit:
     """Least-squares fit.
@@ -163,12 +167,15 @@ def fit(residuals: Residuals, count: int, ftol: float = 1e-8) -> Fit:
 
 
 def _where_computed(residuals: Residuals, size: int) -> Residuals:
-    """Return infinite residuals where the rope cannot be computed, so that a search turns back."""
+    """Return infinite residuals for NotComputed, so that a search turns back.
+
+    Any other error ends the search, with its traceback.
+    """
 
     def residuals_or_infinity(norm_params: Array) -> Array:
         try:
             return residuals(norm_params)
-        except RuntimeError:
+        except NotComputed:
             return np.full(size, np.inf)
 
     return residuals_or_infinity

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
 import rope_model
+from hoist_demo.calibration.fit import NotComputed
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.files.reading import Table
@@ -138,7 +139,7 @@ class RopePredictor:
             for t in np.linspace(now, target, steps + 1)[1:].tolist():
                 status = rope.advance_to(t, *ends(t))
                 if not status.valid:
-                    raise RuntimeError(
+                    raise NotComputed(
                         f"track of {', '.join(names)} at t = {t:g} s: {status.message}"
                     )
             now = target
@@ -167,7 +168,12 @@ class RopePredictor:
         if (left, right) not in self._modes:
             rope = NativeRope(self.scene)
             _require_rest(rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right)), left, right)
-            self._modes[left, right] = natural_modes(rope, MODES)
+            try:
+                self._modes[left, right] = natural_modes(rope, MODES)
+            except RuntimeError as error:  # scipy's, of a singular stiffness or no convergence
+                raise NotComputed(
+                    f"modes with left_y = {left:g} m and right_y = {right:g} m: {error}"
+                ) from error
         modes = self._modes[left, right]
         is_out_of_plane = modes.out_of_plane > 0.5
         return np.asarray(modes.frequencies[is_out_of_plane == (plane == "out of plane")])
@@ -175,7 +181,7 @@ class RopePredictor:
 
 def _require_rest(status: rope_model.Status, left: float, right: float) -> None:
     if not status.valid:
-        raise RuntimeError(
+        raise NotComputed(
             f"at rest with left_y = {left:g} m and right_y = {right:g} m: {status.message}"
         )
 
@@ -344,7 +350,7 @@ class Swing(InShaft):
         for number, left, right in self.each("number", "left_y", "right_y"):
             frequencies = predictor.frequencies(self.plane, left, right)
             if number > frequencies.size:
-                raise RuntimeError(
+                raise NotComputed(
                     f"{self.title}: number = {number:g} must be at most {frequencies.size}, as "
                     f"{MODES} modes hold so many {self.plane}: give a lower one"
                 )

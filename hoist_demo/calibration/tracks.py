@@ -33,6 +33,7 @@ from scipy.ndimage import generic_filter
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
+from hoist_demo.calibration.fit import NotComputed
 from hoist_demo.files.reading import Table, path_from_file
 from hoist_demo.files.values import Text
 from rope_model import EndMotion, Scene, balance_rope
@@ -188,7 +189,7 @@ class Markers(Table):
             step = rope.advance_to if k else rope.initialize
             status = step(t, *ends)
             if not status.valid:
-                raise RuntimeError(f"{self.file}, {t:g} s from its first time: {status.message}")
+                raise NotComputed(f"{self.file}, {t:g} s from its first time: {status.message}")
             if k < before:
                 continue
             rows = rope.rows()

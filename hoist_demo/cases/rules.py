@@ -68,17 +68,17 @@ LENGTH = Rule(
 RULES = (
     Rule(
         "hoist.tail_rope_number",
-        "number of equal ropes; 1 of ropes that differ",
+        "number of the only [[rope]]; 1 of several that differ",
         lambda k: k.rope.tail_rope_number,
     ),
     Rule(
         "hoist.tail_rope_mass",
-        "rope.mass_per_length; of unequal ropes the sum",
+        "rope.mass_per_length; the sum of ropes that differ",
         lambda k: k.rope.tail_rope_mass,
     ),
     Rule(
         "hoist.tail_rope_length",
-        "rope.length; of unequal ropes the mean by mass",
+        "rope.length; the mean by mass of ropes that differ",
         lambda k: k.rope.tail_rope_length,
     ),
     Rule(
@@ -88,7 +88,7 @@ RULES = (
     ),
     Rule(
         "hoist.head_rope_mass",
-        "the balance ropes' mass per length over hoist.head_rope_number: balanced",
+        "mass per length of all balance ropes over hoist.head_rope_number, which balances them",
         lambda k: k.hoist.tail_mass / k.hoist.head_rope_number,
     ),
     Rule(
@@ -98,8 +98,8 @@ RULES = (
     ),
     Rule(
         "hoist.torque_limit",
-        f"{TRIP_TORQUE:g} times that of the acceleration with the payload: R (m a + weight "
-        "difference with ropes + losses)",
+        f"{TRIP_TORQUE:g} times the torque of the acceleration with the payload, R (m a + "
+        "difference of the weights with ropes + losses)",
         lambda k: TRIP_TORQUE * k.torque(),
     ),
     Rule(

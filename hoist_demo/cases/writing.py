@@ -53,7 +53,7 @@ def _line(name: str, key: str, entry: ParameterValue) -> str:
     within = name.replace("rope.swivels.", "left.swivel.").removeprefix("rope.")
     parameter = _PARAMETERS.get(name) or _PARAMETERS.get(within) or Parameter(name, "1", "String")
     meaning = parameter.meaning.replace("[assumed]", "").replace("{side} ", "").strip(" ;,")
-    notes = ": ".join(filter(None, (meaning, entry.source)))
+    notes = "; ".join(filter(None, (meaning, entry.source)))
     quoted = re.sub(r"\w+\[\d+\]", r'"\g<0>"', key)  # TOML has brackets in quotes only
     line = f"{quoted} = {_value(parameter, entry)}"
     return f"{line}  # {printable(notes)}" if notes else line

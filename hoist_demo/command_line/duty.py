@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hoist_demo.command_line.support import (
+    CHECKED,
+    HOIST_UNCHECKED,
     INTERRUPTED,
     add_results,
     describe,
@@ -89,7 +91,7 @@ def _duty(options: argparse.Namespace) -> int:
 
     schedule = read_schedule(options.schedule, options.repeat)
     if options.check:
-        print(f"{options.schedule}: {schedule.count} trips, nothing wrong")
+        print(f"{options.schedule}: {schedule.count} trips; {CHECKED}; {HOIST_UNCHECKED}")
         return 0
     read = READ.union(STATION_SIGNALS if options.exposure else ())
     ropes = schedule.ropes(read)
@@ -172,9 +174,9 @@ def _wind(
         print(f"{len(rows)} of {schedule.count} trips are there already")
     with progress_bar() as bar:
 
-        def progress(number: int) -> Callable[[float, float], bool]:
+        def progress(trip_number: int) -> Callable[[float, float], bool]:
             return lambda part, t: (
-                bar((number - 1 + part) / schedule.count, t) and not interrupted()
+                bar((trip_number - 1 + part) / schedule.count, t) and not interrupted()
             )
 
         torque_free = {one.name: one.torque_free for one in identities}

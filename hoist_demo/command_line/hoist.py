@@ -4,10 +4,11 @@ import argparse
 import json
 import shlex
 import sys
+from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
 
-from hoist_demo.cases.case import BUILTIN_HOISTS, Case
+from hoist_demo.cases.case import BUILTIN_HOISTS
 from hoist_demo.cases.hoist_file import schema
 from hoist_demo.cases.new import WISHES, new_hoist
 from hoist_demo.cases.rules import with_values
@@ -90,6 +91,11 @@ def add_rope(rope: argparse.ArgumentParser) -> None:
 
 
 def _new(options: argparse.Namespace) -> int:
+    """Write the file of a hoist, and print which bounds the hoist does not keep."""
+    # slow imports
+    from hoist_demo.design.hoist_checks import HoistCheck, checks
+    from hoist_demo.report.hoist import check_in_words
+
     texts = {p: getattr(options, p.name.replace("-", "_")) for p in WISHES}
     chosen = {p.name: read_value(p, text) for p, text in texts.items() if text is not None}
     name = options.name.removesuffix(".toml")
@@ -106,8 +112,10 @@ def _new(options: argparse.Namespace) -> int:
     quoted = shlex.quote(str(path))
     print(f"written: {path}\nnow: balance-rope show {quoted}; balance-rope wind {quoted}")
     case = find_case(str(path))
-    for line in (*case.remarks, *_noted(case)):
+    check = HoistCheck(tuple(checks(case)), case.remarks)
+    for line in (*check.problems, *_noted([*check.notes, *case.notes])):
         print(f"balance-rope: {line}", file=sys.stderr)
+    print(f"# {path}: {check_in_words(check)}; `balance-rope check {quoted}` also hangs the ropes")
     return 0
 
 
@@ -150,9 +158,9 @@ def _rope(options: argparse.Namespace) -> int:
     return 0
 
 
-def _noted(case: Case) -> list[str]:
+def _noted(notes: Iterable[str]) -> list[str]:
     """Return the notes on a hoist, marked as such: they do not count as remarks."""
-    return [f"note: {line}" for line in case.notes]
+    return [f"note: {line}" for line in notes]
 
 
 def _show(options: argparse.Namespace, everything: bool) -> int:
@@ -173,7 +181,8 @@ def _show(options: argparse.Namespace, everything: bool) -> int:
         text = consequences_text(case.hoist, bounds, ropes)
         print("\n".join(f"# {line}".rstrip() for line in text.splitlines()) + "\n")
     check = HoistCheck(tuple(bounds), (*case.remarks, *remarks_at_rest(ropes)))
-    for line in (*check.problems, *_noted(case)):
+    notes = [*check.notes, *case.notes]
+    for line in (*check.problems, *_noted(notes)):
         print(f"balance-rope: {line}", file=sys.stderr)
     print(f"# {options.hoist}: {check_in_words(check)}")
     if check.problems and not everything:

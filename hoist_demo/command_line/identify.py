@@ -6,7 +6,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from hoist_demo.command_line.support import add_results, describe, results_folder
+from hoist_demo.command_line.support import CHECKED, add_results, describe, results_folder
 from hoist_demo.report.rows import render
 
 _DESCRIPTION = """\
@@ -49,10 +49,9 @@ def _identify(options: argparse.Namespace) -> int:
     file = read(options.measured, MeasurementFile)
     if options.check:
         file.require_hangs()
-        print(
-            f"{options.measured}: {sum(len(m.values) for m in file.measurements)} values, nothing "
-            "wrong"
-        )
+        count = sum(len(m.values) for m in file.measurements)
+        hangs = "the rope hangs where it is measured"
+        print(f"{options.measured}: {count} values; {CHECKED}; {hangs}")
         return 0
     out = results_folder(options.out or Path("out") / "identify" / options.measured.stem)
     windings = 0

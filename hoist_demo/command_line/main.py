@@ -49,7 +49,8 @@ Exit code 1 also means that a result could not be written; 2 means that nothing 
 """
 
 
-_VERBOSE = "log what the solver does"
+_log = logging.getLogger(__name__)
+_VERBOSE = "log what the solver does, and where an error arises"
 _LINEARISE = "linear models for controller design"
 _UNCERTAIN = "what a winding may be, with all that is not known of its rope"
 _DUTY = "wind many trips as one run, each from where the last has left the rope"
@@ -115,6 +116,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"balance-rope: {error}", file=sys.stderr)
         return 1
     except (ValueError, RuntimeError, OSError) as error:
+        _log.info("place of the error:", exc_info=True)
         print(f"balance-rope: {error}", file=sys.stderr)
         return 2
 

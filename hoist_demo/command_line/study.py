@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 from hoist_demo.command_line.support import (
+    CHECKED,
+    HOIST_UNCHECKED,
     INTERRUPTED,
     add_results,
     describe,
@@ -75,7 +77,7 @@ def _study(options: argparse.Namespace) -> int:
     watched = partial(tqdm, desc="checking", unit="run", file=sys.stderr, leave=False, disable=None)
     study = read_study(options.study, options.fmu, watched)
     if options.check:
-        print(f"{options.study}: {len(study.samples)} runs, nothing wrong")
+        print(f"{options.study}: {len(study.samples)} runs; {CHECKED}; {HOIST_UNCHECKED}")
         return 0
 
     store = Store(results_folder(options.out or Path("out") / "study" / options.study.stem))

@@ -14,6 +14,10 @@ from typing import Any
 
 #: Exit code of every command that an interrupt (Ctrl-C) has stopped: 128 + SIGINT.
 INTERRUPTED = 130
+#: Result of --check, of every command that has it.
+CHECKED = "the file can be read, and its values keep their bounds"
+#: Behind CHECKED where a hoist is wound.
+HOIST_UNCHECKED = "`balance-rope check` judges the hoist"
 RunCommand = Callable[[argparse.Namespace], int]
 
 
@@ -35,7 +39,8 @@ def add_results(command: argparse.ArgumentParser, name: str) -> None:
         metavar="DIR",
         help=f"results (out/{name}/ and the file's name)",
     )
-    command.add_argument("--check", action="store_true", help="check only")
+    text = "check the file and its values, compute nothing; `balance-rope check` judges a hoist"
+    command.add_argument("--check", action="store_true", help=text)
 
 
 def results_folder(out: Path) -> Path:

@@ -8,7 +8,13 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from hoist_demo.command_line.support import add_results, describe, results_folder
+from hoist_demo.command_line.support import (
+    CHECKED,
+    HOIST_UNCHECKED,
+    add_results,
+    describe,
+    results_folder,
+)
 from hoist_demo.report.rows import render
 
 _DESCRIPTION = """\
@@ -52,10 +58,9 @@ def _uncertain(options: argparse.Namespace) -> int:
     file = read(options.scene, UncertaintyFile)
     file.require_hangs()
     if options.check:
-        print(
-            f"{options.scene}: {file.header.samples} windings over {', '.join(file.data)}, nothing "
-            "wrong"
-        )
+        planned = f"{file.header.samples} windings over {', '.join(file.data)}"
+        hangs = "the rope of the ranges' middle hangs"
+        print(f"{options.scene}: {planned}; {CHECKED}; {hangs}; {HOIST_UNCHECKED}")
         return 0
     out = results_folder(options.out or Path("out") / "uncertain" / options.scene.stem)
     watched = partial(

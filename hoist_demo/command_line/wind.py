@@ -13,6 +13,8 @@ from hoist_demo.cases.table import DEFAULT_FMU, find_case
 from hoist_demo.command_line.options import TRIP, add_data, add_trip, settings
 from hoist_demo.command_line.run_results import REPORT, WoundRun, missing_outputs, write_results
 from hoist_demo.command_line.support import (
+    CHECKED,
+    HOIST_UNCHECKED,
     INTERRUPTED,
     describe,
     interruption,
@@ -91,7 +93,8 @@ def add_wind(wind: argparse.ArgumentParser) -> None:
     wind.add_argument(
         "--out", type=nonempty_path, metavar="DIR", help="results (out/wind and the hoist's name)"
     )
-    wind.add_argument("--check", action="store_true", help="read and check the hoist, wind nothing")
+    text = "check the file and its values, wind nothing; `balance-rope check` judges the hoist"
+    wind.add_argument("--check", action="store_true", help=text)
     wind.add_argument(
         "--step", type=float, metavar="H", help="communication step [s] (that of the hoist)"
     )
@@ -137,7 +140,7 @@ def _wind(options: argparse.Namespace) -> int:
     resume = _choose_hoist(options)
     trip = _trip(options)
     if options.check:
-        print(f"{options.hoist}: nothing wrong")
+        print(f"{options.hoist}: {CHECKED}; {HOIST_UNCHECKED}")
         return 0
     results_folder(options.out)
     shown = options.signals or trip.case.signals
@@ -194,8 +197,8 @@ def _trip(options: argparse.Namespace) -> _Trip:
             f"--fmu {options.fmu} is for a hoist with one [[rope]]: leave it out, several run in "
             "process"
         )
-    _choose_rope(options, DEFAULT_FMU if options.hoist == DEFAULT_HOIST else None)
-    set_here = settings(options.set, parameters(_parameters(options)))
+    fmu = _chosen_fmu(options, DEFAULT_FMU if options.hoist == DEFAULT_HOIST else None)
+    set_here = settings(options.set, parameters(_parameters(fmu)))
     if options.rope:
         identified = read(options.rope, RopeFile).values()
     else:
@@ -207,7 +210,7 @@ def _trip(options: argparse.Namespace) -> _Trip:
         print(f"balance-rope: {remark}", file=sys.stderr)
     statuses = {key: entry.status for key, entry in identified.items()}
     statuses |= dict.fromkeys(set_here, GIVEN)
-    ropes = _ropes(options, case, run, overrides)
+    ropes = _ropes(options, fmu, case, run, overrides)
     return _Trip(case, run, ropes, values, statuses)
 
 
@@ -317,18 +320,22 @@ def _remarks(ropes: Ropes) -> list[str]:
     return [*filter(None, (outputs, data_of_drive, on_level))]
 
 
-def _choose_rope(options: argparse.Namespace, default: Path | None) -> None:
-    """Return options with the FMU that is wound: the given one, or the default where it exists."""
-    if options.fmu is None and not options.in_process:
-        if default is not None and default.is_file():
-            options.fmu = default
-        options.in_process = options.fmu is None
-        if options.in_process and default is not None:
-            cure = "`balance-rope export --native --outputs all` makes it"
-            print(
-                f"balance-rope: {default} is not there: the rope runs in this process; {cure}",
-                file=sys.stderr,
-            )
+def _chosen_fmu(options: argparse.Namespace, default: Path | None) -> Path | None:
+    """Return the FMU that is wound: the given one, or the default where it exists.
+
+    None stands for the rope in this process.
+    """
+    given: Path | None = options.fmu
+    if given is not None or options.in_process or default is None:
+        return given
+    if default.is_file():
+        return default
+    cure = "`balance-rope export --native --outputs all` makes it"
+    print(
+        f"balance-rope: {default} is not there: the rope runs in this process; {cure}",
+        file=sys.stderr,
+    )
+    return None
 
 
 def _winding(options: argparse.Namespace, case: Case) -> dict[str, Value]:
@@ -355,40 +362,44 @@ def _winding(options: argparse.Namespace, case: Case) -> dict[str, Value]:
     return values | {name: value for name, value in coupling.items() if value is not None}
 
 
-def _parameters(options: argparse.Namespace) -> dict[str, Parameter] | None:
+def _parameters(fmu: Path | None) -> dict[str, Parameter] | None:
     """Return the FMU's parameters, None of a rope in this process."""
-    if options.in_process:
+    if fmu is None:
         return None
-    if not options.fmu.is_file():
+    if not fmu.is_file():
         raise ValueError(
-            f"FMU '{options.fmu}' is missing: `balance-rope export --native --outputs all --out "
-            f"{options.fmu}` makes it; or give another file with --fmu, or run with --in-process"
+            f"FMU '{fmu}' is missing: `balance-rope export --native --outputs all --out {fmu}` "
+            "makes it; or give another file with --fmu, or run with --in-process"
         )
-    return read_parameters(options.fmu)
+    return read_parameters(fmu)
 
 
 def _ropes(
-    options: argparse.Namespace, case: Case, run: RunData, overrides: Mapping[str, Value]
+    options: argparse.Namespace,
+    fmu: Path | None,
+    case: Case,
+    run: RunData,
+    overrides: Mapping[str, Value],
 ) -> Ropes:
     """Return the hoist's ropes, with the values of `overrides`.
 
     A chosen FMU is asked whether it takes its own.
     """
-    if options.in_process:
+    if fmu is None:
         return ropes_of(case, run, overrides, options.level or case.level)
     if options.level:
         raise ValueError(
             f"--level {options.level} is for --in-process; an FMU has the level of its export: "
             f"`balance-rope export --level {options.level}`"
         )
-    outputs = read_outputs(options.fmu)
+    outputs = read_outputs(fmu)
     signals = match_signals(options.signals or case.signals, [*DRIVE_UNITS, *outputs])
-    probe = Probe(options.fmu)
+    probe = Probe(fmu)
     probe.require_hoist(run)
     if fmu_part(overrides):
         probe.require_start(run)
     recorded = ({*outputs} - {*ADDED_MASSES}).union(signals)  # added masses are expensive
-    load = partial(FmuRope, options.fmu, run.rope_values, recorded)
+    load = partial(FmuRope, fmu, run.rope_values, recorded)
     return Ropes(case, run, (OneRope("", run.rope_values, case.level, case, fmu=load),))
 
 

@@ -36,9 +36,9 @@ class BrakeState:
 class Gains(ValidatedData, of="gain "):
     """Tuning; the defaults are ours [assumed] for the default hoist."""
 
-    speed: float = parameter(1.5e5, "N s/m", "k_v")
-    integral_time: float = parameter(1.0, "s", "T_i")
-    position: float = parameter(1.0, "1/s", "k_s")
+    speed: float = parameter(1.5e5, "N s/m", "gain k_v of the speed loop")
+    integral_time: float = parameter(1.0, "s", "integral time T_i of the speed loop")
+    position: float = parameter(1.0, "1/s", "gain k_s of the position loop")
     feed_forward: float = parameter(
         1.0, "1", "share of the feed-forward that is used", Bounds(0.0, 1.0)
     )

@@ -45,7 +45,12 @@ from hoist_demo.cosimulation.saved_run import (
 )
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
 from hoist_demo.cosimulation.schemes.explicit import GaussSeidel
-from hoist_demo.cosimulation.schemes.interface import SUCCESS, RopePlant, Scheme
+from hoist_demo.cosimulation.schemes.interface import (
+    SUCCESS,
+    ParticipantFailed,
+    RopePlant,
+    Scheme,
+)
 from hoist_demo.cosimulation.schemes.stability import StabilityEstimate, predict_stability
 from hoist_demo.cosimulation.trip_plan import NeighbouringTrips, TripPlan
 from hoist_demo.cosimulation.trip_start import StartFailed, start_run
@@ -182,6 +187,17 @@ class Host:
         return run
 
     def _wind(self, run: RunState, progress: Progress | None, save_to: Path | None) -> Status:
+        """Wind the trip; a failure of drive or rope in any of their calls ends it."""
+        try:
+            return self._wind_samples(run, progress, save_to)
+        except ParticipantFailed as error:
+            coupling = self._plan.coupling
+            t = coupling.start + run.steps * coupling.step
+            return Status(False, f"t = {t:.6g} s: {error}")
+
+    def _wind_samples(
+        self, run: RunState, progress: Progress | None, save_to: Path | None
+    ) -> Status:
         """Sample and exchange until the end, or until a step fails or `progress` stops the run."""
         plan = self._plan
         sampling = Sampling(plan, run, make_controller(self._controller, plan, run.holding_torque))
@@ -318,8 +334,12 @@ class Host:
                 run.drive.plant.reload(loaded)
             try:
                 advance = plan.scheme.advance(run.coupled, run.scheme_state, t, H)
-            except (ValueError, RuntimeError) as error:
-                return Status(False, f"t = {t:.6g} s: {error}")
+            except ParticipantFailed:
+                raise
+            except Exception as error:  # a mistake in the code, which keeps the record all the same
+                kind = type(error).__name__
+                _log.exception("t = %.6g s: the step raises %s", t, kind)
+                return Status(False, f"t = {t:.6g} s: {kind}: {error}")
             if not advance.status.valid:
                 return advance.status
             run.scheme_state = advance.scheme_state

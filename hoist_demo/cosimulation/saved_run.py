@@ -5,6 +5,7 @@ from copy import deepcopy
 
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.run_state import RunState, SavedState, TripEnd
+from hoist_demo.cosimulation.schemes.interface import ParticipantFailed
 from hoist_demo.cosimulation.trip_plan import TripPlan
 
 _log = logging.getLogger(__name__)
@@ -39,7 +40,7 @@ def checkpoint_of(
     if snapshot is not None:
         try:
             rope = plan.rope.to_bytes(snapshot)
-        except RuntimeError as error:
+        except ParticipantFailed as error:
             _log.warning("the rope's last good state is lost: %s", error)
     return Checkpoint(
         sample=saved.sample,

@@ -173,6 +173,7 @@ static Stop step_rope_in_process(Trip *trip, double t) {
     return WELL;
 }
 
+/* Step the rope, whose motions and forces are doubles: FmuRope.library offers no others. */
 static Stop step_rope(Trip *trip, double t, double h) {
     const double *outputs = trip->y + AT_OUTPUTS;
     const double *force = (const double *)trip->forces.values;

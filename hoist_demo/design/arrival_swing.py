@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from hoist_demo.cases.case import Case
 from hoist_demo.design.linear_model import Array, LinearModel
 from hoist_demo.design.linearise import linearise
-from hoist_demo.design.reduction import SLOWEST, ReducedModel, reduced
+from hoist_demo.design.reduction import SLOWEST, NoSmallModel, ReducedModel, reduced
 
 LASTING = 0.3  #: Damping ratio of a mode that swings after an arrival, at most.
 BAND = 2.0  #: Upper end of the frequencies that count [Hz].
@@ -104,7 +104,7 @@ def swing_at_arrival(case: Case, start: float) -> ArrivalSwing:
     loop = SpeedLoop.of(case)
     try:
         small = reduced([selected], band=BAND)
-    except ValueError as error:
+    except NoSmallModel as error:
         pole = pole_of_sparse(selected, loop)
         if pole is None:
             raise ValueError(

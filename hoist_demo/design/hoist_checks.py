@@ -25,6 +25,7 @@ class CheckRow:
     bound: str
     holds: bool
     problem: str  # sentence for a bound that does not hold, with its cure
+    in_trip: bool = True  # False: the hoist's trip does not come there, a note and no problem
 
 
 @dataclass(frozen=True)
@@ -36,8 +37,14 @@ class HoistCheck:
 
     @property
     def problems(self) -> list[str]:
-        """Sentences on broken bounds, then the remarks."""
-        return [*(row.problem for row in self.rows if not row.holds), *self.remarks]
+        """Sentences on bounds that the hoist's trip breaks, then the remarks."""
+        broken = [row.problem for row in self.rows if row.in_trip and not row.holds]
+        return [*broken, *self.remarks]
+
+    @property
+    def notes(self) -> list[str]:
+        """Sentences on bounds that other trips than the hoist's would break."""
+        return [row.problem for row in self.rows if not (row.in_trip or row.holds)]
 
 
 def checks(case: Case) -> list[CheckRow]:
@@ -49,7 +56,9 @@ def _slip_checks(case: Case) -> Iterator[CheckRow]:
     """Yield a row for each instant at which the head ropes must hold on the sheave."""
     limit = case.hoist.tension_ratio_limit
     for one in static_slip_safeties(case.hoist, case.winding):
-        motion = "stop" if "stop" in one.when else "trip"
+        cures = ["add mass on the lighter side", "take a lining with more friction"]
+        if one.gentler:
+            cures.append(one.gentler)
         yield CheckRow(
             HOLD,
             quantity=f"slip safety {one.when}, without swing",
@@ -58,9 +67,9 @@ def _slip_checks(case: Case) -> Iterator[CheckRow]:
             holds=one.safety >= one.required,
             problem=(
                 f"slip safety {one.when} is {one.safety:.3g} (tension ratio {one.ratio:.3g}, limit "
-                f"{limit:.3g}), and {one.required:g} is asked for: more weight on the light side, "
-                f"a better lining, or a gentler {motion}"
+                f"{limit:.3g}) and must be at least {one.required:g}: {', or '.join(cures)}"
             ),
+            in_trip=one.in_trip,
         )
 
 

@@ -141,8 +141,8 @@ def _swing(model: LowFidelityModel, N: int, N_hold: int, substeps: int) -> Any:
     step = ca.Function("step", [x, j, h], [z, squares])
     T = ca.MX.sym("T")
     jerks = ca.MX.sym("jerks", 1, N)
-    rest = ca.DM.zeros(1, N_hold)
+    no_jerk = ca.DM.zeros(1, N_hold)
     _, squared_speeds = step.mapaccum(N + N_hold)(
-        model.start, ca.horzcat(jerks, rest), ca.repmat(T / N, 1, N + N_hold)
+        model.start, ca.horzcat(jerks, no_jerk), ca.repmat(T / N, 1, N + N_hold)
     )
     return ca.Function("swing", [T, jerks], [ca.sum2(squared_speeds[N:]) / N_hold])

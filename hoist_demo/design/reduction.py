@@ -63,6 +63,14 @@ _RELATIVE_RANK_TOLERANCE = (
 _NEGLIGIBLE = 1e-9  #: Of a channel's largest gain: less is no response.
 
 
+class NoSmallModel(ValueError):
+    """Linear model of which no small model has errors within the bounds."""
+
+
+class UnfitStates(NoSmallModel):
+    """Number of states that no small model of a linear model has."""
+
+
 @dataclass(frozen=True)
 class ReducedModel:
     """First-order models in one basis; `A` is (heights, states, states), and so are the others by heights.
@@ -222,17 +230,17 @@ class _Reduction:
         for states in range(others + MIN_STATES, MAX_STATES + 1, 2):
             try:
                 small = self.of(states)
-            except ValueError:  # there are no more motions
+            except UnfitStates:
                 if small is None:
                     raise
                 break
             if small.excess is None:
                 return small
         if small is None:
-            raise ValueError(
+            raise NoSmallModel(
                 f"inputs that take {others} states must take fewer than {MAX_STATES}: select fewer"
             )
-        raise ValueError(
+        raise NoSmallModel(
             f"{small.excess}: state the number of states to take such a model, or select other channels"
         )
 
@@ -329,7 +337,7 @@ def _require_states(states: int, count: int, minimum: int, maximum: int, other_s
     if not minimum <= count <= maximum:
         low = 2 * minimum + other_states
         high = 2 * maximum + other_states + 1  # an odd one is left over
-        raise ValueError(f"states = {states} must be within {low} and {high}: take as many")
+        raise UnfitStates(f"states = {states} must be within {low} and {high}: take as many")
 
 
 def _krylov_bases(
@@ -366,7 +374,7 @@ def _krylov_bases(
         )
         if not T.size:
             maximum = 2 * bases[0].shape[1] + other_states + 1
-            raise ValueError(
+            raise UnfitStates(
                 f"states = {states} must be at most {maximum}, for the inputs move no more: "
                 "take fewer"
             )

@@ -1,9 +1,9 @@
 """What follows from a hoist's data before anything is wound: pulls, hold on the sheave, and the rope at rest."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-
-import numpy as np
+from typing import NamedTuple
 
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import GRAVITY, Hoist, Winding
@@ -17,10 +17,12 @@ MOVING = 1.25  #: Slip safety that design rules require in normal winding [assum
 class StaticSlipSafety:
     """Head ropes on the sheave, at one instant."""
 
-    when: str
+    when: str  # words behind "slip safety"
     ratio: float  # larger over smaller tension of both sides
-    safety: float  # friction that there is over friction asked for
+    safety: float  # available over required friction
     required: float  # safety
+    gentler: str  # what lowers the ratio besides other masses; "" for nothing
+    in_trip: bool  # False for the trip back, which the hoist's file does not describe
 
 
 def pulls(hoist: Hoist, height: float, acceleration: float = 0.0) -> tuple[float, float]:
@@ -58,7 +60,6 @@ def static_slip_safeties(hoist: Hoist, winding: Winding) -> list[StaticSlipSafet
 
     The conveyances are rigidly hung: swing of the head ropes, which jerk excites, lowers what a winding shows.
     """
-    instants = []
     up = 1.0 if winding.travel > 0.0 else -1.0
     law = winding.emergency_law
     # nothing regulates it: the imbalance counts
@@ -67,23 +68,62 @@ def static_slip_safeties(hoist: Hoist, winding: Winding) -> list[StaticSlipSafet
         stop = full.torque / hoist.sheave_radius / hoist.moving_mass
     else:
         stop = winding.emergency_deceleration
-    for when, acceleration, falls, required in (
-        ("at rest", 0.0, False, AT_REST),
-        ("speeding up", up * winding.acceleration, False, MOVING),
-        ("slowing down", -up * winding.acceleration, False, MOVING),
-        (f"in an emergency stop of this trip ({law})", -up * stop, full is not None, 1.0),
-        (f"in one of the trip back ({law}), with these loads", up * stop, full is not None, 1.0),
-    ):
-        ratios = []
-        for height in (0.0, hoist.shaft_travel):
+    gentler_stop = "lower winding.emergency_deceleration"
+    if full:
+        gentler_stop = "lower hoist.brake.torque"
+    in_stop = f"in an emergency stop ({law})"
+    gentler_trip = "lower winding.acceleration"
+    unregulated = full is not None
+    instants = (
+        _Instant("at rest", 0.0, AT_REST),
+        _Instant("while speeding up", up * winding.acceleration, MOVING, gentler_trip),
+        _Instant("while slowing down", -up * winding.acceleration, MOVING, gentler_trip),
+        _Instant(f"{in_stop} of this trip", -up * stop, 1.0, gentler_stop, unregulated),
+        _Instant(
+            f"{in_stop} of a trip back with the same payloads",
+            up * stop,
+            required=1.0,
+            gentler=gentler_stop,
+            unregulated=unregulated,
+            in_trip=False,
+        ),
+    )
+    return [_slip_safety_at(hoist, instant) for instant in instants]
+
+
+class _Instant(NamedTuple):
+    """Instant at which the head ropes must hold."""
+
+    when: str
+    acceleration: float  # m/s^2, of the left conveyance, upwards
+    required: float  # slip safety
+    gentler: str = ""
+    unregulated: bool = False  # the imbalance of both sides adds to the acceleration
+    in_trip: bool = True
+
+
+def _slip_safety_at(hoist: Hoist, instant: _Instant) -> StaticSlipSafety:
+    """Return the slip safety at an instant, the worse of both landings."""
+    ratios = []
+    for height in (0.0, hoist.shaft_travel):
+        acceleration = instant.acceleration
+        if instant.unregulated:
             left, right = pulls(hoist, height)
-            left, right = pulls(
-                hoist, height, acceleration - falls * (left - right) / hoist.moving_mass
-            )
-            ratios.append(max(left, right) / min(left, right) if min(left, right) > 0.0 else np.inf)
-        ratio = max(ratios)
-        instants.append(StaticSlipSafety(when, ratio, hoist.slip_safety(ratio), required))
-    return instants
+            acceleration -= (left - right) / hoist.moving_mass
+        tensions = pulls(hoist, height, acceleration)
+        if min(tensions) > 0.0:
+            ratios.append(max(tensions) / min(tensions))
+        else:
+            ratios.append(math.inf)
+    ratio = max(ratios)
+    return StaticSlipSafety(
+        instant.when,
+        ratio=ratio,
+        safety=hoist.slip_safety(ratio),
+        required=instant.required,
+        gentler=instant.gentler,
+        in_trip=instant.in_trip,
+    )
 
 
 def at_rest(

@@ -136,119 +136,257 @@ class _Motor(NamedTuple):
     torque_rate: Any
 
 
+class _Symbols(NamedTuple):
+    """Hoist with symbols for its numbers, and the arguments of its equations."""
+
+    hoist: Hoist
+    numbers: Any
+    coords: Coordinates
+    torque: Any  # N m, of the motor, before its limit of power
+    free_lengths: Any  # m, of the head ropes
+    u: Any  # input, in the order of INPUT_NAMES
+    inputs: dict[str, Any]  # the same by name
+
+    @property
+    def rate(self) -> Any:
+        """Speed of rotation of the sheave [rad/s]."""
+        return self.coords("phi").rate
+
+    @property
+    def motor_rate(self) -> Any:
+        """Speed of rotation of the motor [rad/s]."""
+        return self.rate + self.coords("twist").rate
+
+    @property
+    def rim_speed(self) -> Any:
+        """Speed of the sheave's rim [m/s]."""
+        return self.hoist.sheave_radius * self.rate
+
+    @property
+    def rope_speed(self) -> Any:
+        """Speed of the head ropes on the sheave [m/s]."""
+        return self.hoist.sheave_radius * self.rate + self.coords("slip").rate
+
+
+class _Parts(NamedTuple):
+    """Parts of a hoist, by their energies and forces."""
+
+    motor: _Motor
+    legs: Sequence[Leg]
+    rotation: _Energies  # of sheave, shaft and motor
+    rim: Any  # N, friction at the sheave's rim
+    brake: Friction
+
+    @property
+    def play_damping(self) -> Any:
+        """Dissipation function of the conveyances between their guides."""
+        return sum(leg.play_damping for leg in self.legs)
+
+
+class _Lagrange(NamedTuple):
+    """Lagrange's equation: mass matrix times accelerations = forces."""
+
+    mass_matrix: Any
+    forces: Any
+
+
+class _Sliding(NamedTuple):
+    """Friction of head ropes that slide, and the accelerations under it."""
+
+    lining: Friction
+    accelerations: Any
+
+
+class _StateChange(NamedTuple):
+    """State of a hoist, and its rate."""
+
+    x: Any
+    rates: Any
+
+
 @cache
 def equations(structure: Hoist) -> Equations:
     """Return the equations of motion of all hoists of this `Hoist.equation_structure`."""
-    coords = Coordinates(structure)
-    p = ca.SX.sym("p", len(structure.numbers))
-    hoist = with_numbers(structure, ca.vertsplit(p))
-    q = coords.q
-    v = coords.v
-    torque = ca.SX.sym("M")
-    l0 = ca.SX.sym("l0", 2)
-    u = ca.SX.sym("u", len(INPUT_NAMES))
-    inputs = dict(zip(INPUT_NAMES, ca.vertsplit(u), strict=True))
-    phi, rate = coords("phi")
-    twist_rate = coords("twist").rate
-    slip_rate = coords("slip").rate
-    rim_speed = hoist.sheave_radius * rate
-    rope_speed = hoist.sheave_radius * rate + slip_rate
-    motor = _motor(hoist, torque, inputs["torque_command"], rate + twist_rate)
-
-    # energies of the legs, of the sheave and of the shaft
-    legs = [make_leg(hoist, coords, side, l0[i], inputs) for i, side in enumerate(SIDES)]
-    rotation = _rotation(hoist, coords)
-    K = rotation.kinetic + sum(leg.kinetic for leg in legs)
-    V = rotation.potential + sum(leg.potential for leg in legs)
-    rope_damping = sum(leg.rope_damping for leg in legs)
-    play_damping = sum(leg.play_damping for leg in legs)
-    D = rotation.dissipation + rope_damping + play_damping
-
-    # generalised forces: those from outside, and dry friction
-    rim = _rim_friction(hoist, rim_speed)
-    brake = _brake_friction(hoist, inputs["brake"], rim_speed)
-    external = {
-        "phi": motor.torque - hoist.sheave_radius * rim - brake.force,
-        "twist": motor.torque,
-        **_conveyance_forces(legs),
-    }
-    Q = ca.vertcat(*(external.get(name, 0.0) for name in coords.names))
-
-    # Lagrange's equation: mass matrix times acceleration = everything else
-    momentum = ca.gradient(K, v)
-    mass_matrix = ca.jacobian(momentum, v)
-    transport = ca.jtimes(momentum, q, v)
-    forces = Q - transport + ca.gradient(K, q) - ca.gradient(V, q) - ca.gradient(D, v)
-    factors = ca.ldl(mass_matrix)
-
-    def tensions(a: ca.SX) -> list[Any]:
-        return [
-            _tension(hoist, coords, sign, leg, a, rope_speed)
-            for sign, leg in zip((1.0, -1.0), legs, strict=True)
-        ]
-
-    along_slip = ca.DM(np.array([name == "slip" for name in coords.names], dtype=float))
-    lining, a = _sliding_friction(
-        hoist,
-        a_stick=ca.ldl_solve(forces, *factors),
-        a_per_force=ca.ldl_solve(along_slip, *factors),
-        tensions=tensions,
-        w=rope_speed,
+    symbols = _symbols(structure)
+    parts = _parts(symbols)
+    energies = _energies(parts)
+    lagrange = _lagrange(symbols.coords, energies, _generalised_forces(symbols, parts))
+    sliding = _sliding(symbols, lagrange, parts.legs)
+    state = _state_change(symbols, parts, sliding)
+    accelerance = ca.jacobian(state.rates, symbols.u)[list(ACCELERATIONS), list(FORCES)]
+    # of any accelerations, for ropes that hold
+    a = ca.SX.sym("a", len(symbols.coords.names))
+    residual = ca.vertcat(
+        lagrange.mass_matrix @ a - lagrange.forces, *_tensions(symbols, parts.legs, a)
+    )
+    hold = ca.gradient(energies.potential, symbols.coords.q)[0]
+    arguments = [state.x, symbols.u, symbols.free_lengths, symbols.numbers]
+    at_rest = [state.x, symbols.free_lengths, symbols.numbers]
+    powers = _powers(symbols, parts, sliding.lining)
+    outputs = _outputs(symbols, parts, energies, sliding.accelerations)
+    return Equations(
+        rates=_function("rates", arguments, state.rates),
+        powers=_function("powers", arguments, powers),
+        outputs=_function("outputs", arguments, outputs),
+        accelerance=_function("accelerance", arguments, accelerance),
+        hold=_function("hold", at_rest, hold),
+        lagrange=_function("lagrange", [state.x, a, *arguments[1:]], residual),
     )
 
-    frictions = (brake, *(leg.jam for leg in legs), lining)
+
+def _symbols(structure: Hoist) -> _Symbols:
+    """Return the symbols of all hoists with these parts."""
+    numbers = ca.SX.sym("p", len(structure.numbers))
+    u = ca.SX.sym("u", len(INPUT_NAMES))
+    return _Symbols(
+        hoist=with_numbers(structure, ca.vertsplit(numbers)),
+        numbers=numbers,
+        coords=Coordinates(structure),
+        torque=ca.SX.sym("M"),
+        free_lengths=ca.SX.sym("l0", 2),
+        u=u,
+        inputs=dict(zip(INPUT_NAMES, ca.vertsplit(u), strict=True)),
+    )
+
+
+def _parts(symbols: _Symbols) -> _Parts:
+    """Return the parts of a hoist."""
+    hoist = symbols.hoist
+    coords = symbols.coords
+    inputs = symbols.inputs
+    lengths = ca.vertsplit(symbols.free_lengths)
+    return _Parts(
+        motor=_motor(hoist, symbols.torque, inputs["torque_command"], symbols.motor_rate),
+        legs=[
+            make_leg(hoist, coords, side, l0, inputs)
+            for side, l0 in zip(SIDES, lengths, strict=True)
+        ],
+        rotation=_rotation(hoist, coords),
+        rim=_rim_friction(hoist, symbols.rim_speed),
+        brake=_brake_friction(hoist, inputs["brake"], symbols.rim_speed),
+    )
+
+
+def _energies(parts: _Parts) -> _Energies:
+    """Return the energies of the whole hoist: of its legs, its sheave and its shaft."""
+    rotation = parts.rotation
+    legs = parts.legs
+    rope_damping = sum(leg.rope_damping for leg in legs)
+    return _Energies(
+        kinetic=rotation.kinetic + sum(leg.kinetic for leg in legs),
+        potential=rotation.potential + sum(leg.potential for leg in legs),
+        dissipation=rotation.dissipation + rope_damping + parts.play_damping,
+    )
+
+
+def _generalised_forces(symbols: _Symbols, parts: _Parts) -> Any:
+    """Return the generalised forces Q: those from outside, and dry friction."""
+    at_rim = symbols.hoist.sheave_radius * parts.rim
+    forces = {
+        "phi": parts.motor.torque - at_rim - parts.brake.force,
+        "twist": parts.motor.torque,
+        **_conveyance_forces(parts.legs),
+    }
+    return ca.vertcat(*(forces.get(name, 0.0) for name in symbols.coords.names))
+
+
+def _lagrange(coords: Coordinates, energies: _Energies, Q: Any) -> _Lagrange:
+    """Return Lagrange's equation under the generalised forces Q."""
+    q = coords.q
+    v = coords.v
+    K = energies.kinetic
+    V = energies.potential
+    D = energies.dissipation
+    momentum = ca.gradient(K, v)
+    transport = ca.jtimes(momentum, q, v)
+    forces = Q - transport + ca.gradient(K, q) - ca.gradient(V, q) - ca.gradient(D, v)
+    return _Lagrange(mass_matrix=ca.jacobian(momentum, v), forces=forces)
+
+
+def _tensions(symbols: _Symbols, legs: Sequence[Leg], a: Any) -> list[Any]:
+    """Return the tensions at the sheave [N], left then right, under accelerations."""
+    return [
+        _tension(symbols.hoist, symbols.coords, sign, leg, a, symbols.rope_speed)
+        for sign, leg in zip((1.0, -1.0), legs, strict=True)
+    ]
+
+
+def _sliding(symbols: _Symbols, lagrange: _Lagrange, legs: Sequence[Leg]) -> _Sliding:
+    """Return the lining's friction, and the accelerations that solve Lagrange's equation."""
+    names = symbols.coords.names
+    along_slip: Any = ca.DM(np.array([name == "slip" for name in names], dtype=float))
+    factors = ca.ldl(lagrange.mass_matrix)
+    return _sliding_friction(
+        symbols.hoist,
+        a_stick=ca.ldl_solve(lagrange.forces, *factors),
+        a_per_force=ca.ldl_solve(along_slip, *factors),
+        tensions=lambda a: _tensions(symbols, legs, a),
+        w=symbols.rope_speed,
+    )
+
+
+def _state_change(symbols: _Symbols, parts: _Parts, sliding: _Sliding) -> _StateChange:
+    """Return the state, in the order of `state_names`, and its rate."""
+    q = symbols.coords.q
+    v = symbols.coords.v
+    a = sliding.accelerations
+    frictions = (parts.brake, *(leg.jam for leg in parts.legs), sliding.lining)
     friction_states: list[Any] = []
     friction_rates: list[Any] = []
     for friction in frictions:
         friction_states += friction.states
         friction_rates += friction.rates
-    x = ca.vertcat(torque, q[:3], v[:3], q[3:], v[3:], *friction_states)
-    rates = ca.vertcat(motor.torque_rate, v[:3], a[:3], v[3:], a[3:], *friction_rates)
+    return _StateChange(
+        x=ca.vertcat(symbols.torque, q[:3], v[:3], q[3:], v[3:], *friction_states),
+        rates=ca.vertcat(parts.motor.torque_rate, v[:3], a[:3], v[3:], a[3:], *friction_rates),
+    )
+
+
+def _powers(symbols: _Symbols, parts: _Parts, lining: Friction) -> Any:
+    """Return the powers [W], in the order of WORK_NAMES and LOSS_NAMES."""
+    coords = symbols.coords
     guide_losses = [
-        leg.friction * coords(f"y_{side}").rate for side, leg in zip(SIDES, legs, strict=True)
+        leg.friction * coords(f"y_{side}").rate for side, leg in zip(SIDES, parts.legs, strict=True)
     ]
     losses = ca.vertcat(
-        rim * rim_speed,
-        sum(guide_losses) + 2 * play_damping,
-        brake.force * rate,
-        2 * rotation.dissipation,
-        lining.force * sum(lining.states) * slip_rate,
+        parts.rim * symbols.rim_speed,
+        sum(guide_losses) + 2 * parts.play_damping,
+        parts.brake.force * symbols.rate,
+        2 * parts.rotation.dissipation,
+        lining.force * sum(lining.states) * coords("slip").rate,
     )
-    powers = ca.vertcat(
-        motor.torque * (rate + twist_rate),
+    return ca.vertcat(
+        parts.motor.torque * symbols.motor_rate,
         ca.sum1(losses),
-        sum(leg.rope_power for leg in legs),
-        *_balance_rope_powers(coords, legs),
+        sum(leg.rope_power for leg in parts.legs),
+        *_balance_rope_powers(coords, parts.legs),
         losses,
     )
-    outputs = ca.vertcat(
+
+
+def _outputs(symbols: _Symbols, parts: _Parts, energies: _Energies, a: Any) -> Any:
+    """Return the outputs under accelerations, in the order of OUTPUTS."""
+    coords = symbols.coords
+    q = coords.q
+    v = coords.v
+    legs = parts.legs
+    return ca.vertcat(
         q[1:3],
         v[1:3],
         a[1:3],
-        phi,
-        rate,
-        motor.torque,
-        *tensions(a),
-        K,
-        V,
-        rate + twist_rate,
-        brake.force,
+        coords("phi").value,
+        symbols.rate,
+        parts.motor.torque,
+        *_tensions(symbols, legs, a),
+        energies.kinetic,
+        energies.potential,
+        symbols.motor_rate,
+        parts.brake.force,
         *(leg.static_tension for leg in legs),
         *_lateral_motion(coords, a),
         *(leg.pull for leg in legs),
         *(leg.slack for leg in legs),
         *(leg.jam.force for leg in legs),
-    )
-    accelerance = ca.jacobian(rates, u)[list(ACCELERATIONS), list(FORCES)]
-    a_in = ca.SX.sym("a", len(coords.names))
-    lagrange = ca.vertcat(mass_matrix @ a_in - forces, *tensions(a_in))
-    return Equations(
-        rates=_function("rates", [x, u, l0, p], rates),
-        powers=_function("powers", [x, u, l0, p], powers),
-        outputs=_function("outputs", [x, u, l0, p], outputs),
-        accelerance=_function("accelerance", [x, u, l0, p], accelerance),
-        hold=_function("hold", [x, l0, p], ca.gradient(V, q)[0]),
-        lagrange=_function("lagrange", [x, a_in, u, l0, p], lagrange),
     )
 
 
@@ -361,7 +499,7 @@ def _sliding_friction(
     a_per_force: ca.SX,
     tensions: Callable[[ca.SX], list[Any]],
     w: ca.SX,
-) -> tuple[Friction, ca.SX]:
+) -> _Sliding:
     """Return the lining's force on head ropes that slide [N], and the accelerations under it.
 
     Its state is the sense of their sliding, 1 as the sheave's positive rotation or -1, which does
@@ -370,7 +508,7 @@ def _sliding_friction(
     ropes' speed.
     """
     if hoist.lining is None:
-        return Friction(), a_stick
+        return _Sliding(Friction(), a_stick)
     sense = ca.SX.sym("sense")
     a = ca.SX.sym("a", a_stick.numel())
     left, right = (tension - hoist.rope_mass * w**2 for tension in tensions(a))
@@ -379,4 +517,5 @@ def _sliding_friction(
     gain = ca.exp(hoist.lining.sliding * hoist.friction_coefficient * hoist.wrap_angle) - 1.0
     pressing = ca.fmax(ca.substitute(low, a, a_stick), 0.0)
     force = gain * pressing / (1.0 - gain * ca.dot(ca.gradient(low, a), against_slip))
-    return Friction(force, states=(sense,), rates=(0.0,)), a_stick + force * against_slip
+    lining = Friction(force, states=(sense,), rates=(0.0,))
+    return _Sliding(lining, a_stick + force * against_slip)

@@ -1,9 +1,10 @@
 /* The hoist drive as a model: controller and plant over one communication step.
 
    The controller samples at its own period; from a sample to the next its torque is held, and over a communication step
-   the rope forces.  Between samples and communication points the plant does steps of equal length, as
-   hoist_demo.cosimulation does them.  drive_table.h and the functions drive_... are generated.  The numbers of hoist
-   and trip lie behind the start values. */
+   the rope forces.  Between samples and communication points the plant does steps of equal length, none longer than
+   solver.step_max, by the method of hoist_demo.drive.integrator.  The host controls the length of its steps by their
+   error instead, and its forces change within a communication step.  drive_table.h and the functions drive_... are
+   generated.  The numbers of hoist and trip lie behind the start values. */
 #include "drive_table.h"
 
 #include <math.h>
@@ -35,8 +36,8 @@ typedef struct {
     double s, v, a;
 } Motion;
 
-/* the trip at t, s after its start; it rests before.  A segment: its start, s; position, speed, acceleration there, and
-   its jerk */
+/* the trip at t, s after its start; it rests before, as hoist_demo.control.trajectory has it.  A segment: its start, s;
+   position, speed, acceleration there, and its jerk */
 static Motion reference(const ModelInstance *model, double t) {
     const double *trip = model->data + DRIVE_DATA_TRIP;
     int k = (int)model->data[DRIVE_DATA_SEGMENTS] - 1;

@@ -286,8 +286,8 @@ def _parameters(
             unit=p.unit,
             start=getattr(case.gains, p.name),
             description=_GAINS[p.name],
-            minimum=_SMALLEST_GAIN if p.bounds.opens else p.bounds.low,
-            maximum=p.bounds.high or _LARGEST,
+            minimum=_SMALLEST_GAIN if p.bounds.opens else p.bounds.lower,
+            maximum=_LARGEST if p.bounds.upper is None else p.bounds.upper,
         )
 
 

@@ -2,7 +2,8 @@
 
     k = rates(x, u, l0, p)
 
-with the hoist's numbers p.  drive_model.c does the host's Runge-Kutta steps with them, and holds u.
+with the hoist's numbers p. drive_model.c does steps of equal length with them, by the Runge-Kutta
+method of the host, and holds u.
 Hoists with the same structure have the same text: a part that a hoist lacks has the numbers with
 which it does nothing (``complete``).
 """

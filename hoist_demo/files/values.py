@@ -281,9 +281,9 @@ def _schemas_without_table(parameter: Parameter) -> Iterable[dict[str, Any]]:
     else:
         bounds = parameter.bounds
         schema: dict[str, Any] = {"type": "number" if parameter.kind == "Real" else "integer"}
-        if bounds.low is not None:
-            schema["exclusiveMinimum" if bounds.opens else "minimum"] = bounds.low
-        if bounds.high is not None:
-            schema["maximum"] = bounds.high
+        if bounds.lower is not None:
+            schema["exclusiveMinimum" if bounds.opens else "minimum"] = bounds.lower
+        if bounds.upper is not None:
+            schema["maximum"] = bounds.upper
         yield schema
         yield {"type": "string", "pattern": r"^\s*[-+]?[0-9.]+([eE][-+]?[0-9]+)?\s*\S*"}

@@ -23,10 +23,16 @@ class DriveShaft(ValidatedData, of="drive_shaft."):
     """Elastic shaft between motor and sheave; all values [assumed]."""
 
     motor_mass: float = parameter(
-        3.0e3, "kg", "of the motor's rotor referred to the rope, a part of the hoist's sheave_mass"
+        3.0e3,
+        "kg",
+        "inertia of the motor's rotor referred to the rope, a part of hoist.sheave_mass",
     )
-    stiffness: float = parameter(2.0e8, "N m/rad")
-    damping: float = parameter(0.02, "-", "damping ratio of motor against sheave", NONNEGATIVE)
+    stiffness: float = parameter(
+        2.0e8, "N m/rad", "torsional stiffness of the shaft between motor and sheave"
+    )
+    damping: float = parameter(
+        0.02, "-", "damping ratio of the motor against the sheave", NONNEGATIVE
+    )
 
 
 @dataclass(frozen=True)
@@ -37,16 +43,20 @@ class Brake(ValidatedData, of="brake."):
     of its hydraulics.
     """
 
-    torque: float = parameter(5.5e5, "N m", "full braking torque, of both directions of rotation")
-    delay: float = parameter(0.15, "s", "from the trip to the first torque", NONNEGATIVE)
-    lag: float = parameter(0.10, "s", "time constant of the pressure")
+    torque: float = parameter(5.5e5, "N m", "full braking torque in both directions of rotation")
+    delay: float = parameter(
+        0.15, "s", "time from the start of an emergency stop to the first torque", NONNEGATIVE
+    )
+    lag: float = parameter(0.10, "s", "time constant of the brake's pressure")
     travel: float = parameter(
-        2.0e-3, "m", "at the rim: elastic deflection of the stuck brake at its full torque"
+        2.0e-3, "m", "elastic deflection at the rim of the stuck brake at its full torque"
     )
     first_stage: float = parameter(
         0.5, "-", "fraction of the torque in the first stage of a two-stage stop", FRACTION
     )
-    first_stage_time: float = parameter(1.5, "s", "from the trip to the second stage")
+    first_stage_time: float = parameter(
+        1.5, "s", "time from the start of an emergency stop to the second stage"
+    )
 
 
 @dataclass(frozen=True)
@@ -54,7 +64,7 @@ class Lining(ValidatedData, of="lining."):
     """Lining of the sheave, on which the head ropes may slide; all values [assumed]."""
 
     sliding: float = parameter(
-        0.8, "-", "friction coefficient of ropes that slide over that of ropes that hold", FRACTION
+        0.8, "-", "friction coefficient of sliding ropes over that of ropes that hold", FRACTION
     )
 
 
@@ -62,8 +72,12 @@ class Lining(ValidatedData, of="lining."):
 class Guides(ValidatedData, of="guides."):
     """Friction of one conveyance along its guides; all values [assumed]."""
 
-    coulomb: float = parameter(1.0e3, "N", "", NONNEGATIVE)
-    viscous: float = parameter(50.0, "N s/m", "", NONNEGATIVE)
+    coulomb: float = parameter(
+        1.0e3, "N", "Coulomb friction of one conveyance along its guides", NONNEGATIVE
+    )
+    viscous: float = parameter(
+        50.0, "N s/m", "viscous friction of one conveyance along its guides", NONNEGATIVE
+    )
 
 
 @dataclass(frozen=True)
@@ -74,16 +88,27 @@ class Play(ValidatedData, of="play."):
     shoes are springs.
     """
 
-    clearance: float = parameter(5.0e-3, "m", "to either side, in x and in z", NONNEGATIVE)
-    stiffness: float = parameter(2.0e6, "N/m", "of the guides of a conveyance, in x and in z")
-    contact_damping: float = parameter(
-        0.5, "s/m", "damping over elastic force and speed (Hunt and Crossley)", NONNEGATIVE
+    clearance: float = parameter(
+        5.0e-3, "m", "clearance between shoes and guides to either side, in x and in z", NONNEGATIVE
     )
-    damping: float = parameter(500.0, "N s/m", "of air and rollers, at any place", NONNEGATIVE)
+    stiffness: float = parameter(2.0e6, "N/m", "stiffness of a conveyance's guides, in x and in z")
+    contact_damping: float = parameter(
+        0.5,
+        "s/m",
+        "damping force of a contact over its elastic force and speed (Hunt and Crossley)",
+        NONNEGATIVE,
+    )
+    damping: float = parameter(
+        500.0,
+        "N s/m",
+        "lateral damping of a conveyance by air and rollers, at any place",
+        NONNEGATIVE,
+    )
     arm: float = parameter(
         1.5,
         "m",
-        "from the conveyance's axis to the shoes: play and stiffness in yaw are c / a and k a^2",
+        "distance a from the conveyance's axis to the shoes: clearance and stiffness in yaw "
+        "are c / a and k a^2",
     )
     gyration: float = parameter(
         1.2, "m", "radius of gyration of the loaded conveyance about the vertical"
@@ -92,7 +117,11 @@ class Play(ValidatedData, of="play."):
         0.4, "m", "radius of gyration of the head ropes' attachments about the vertical"
     )
     friction: float = parameter(
-        0.1, "-", "shoe on guide: contact brakes the conveyance along the guides", NONNEGATIVE
+        0.1,
+        "-",
+        "friction coefficient of a shoe on its guide: contact brakes the conveyance along the"
+        " guides",
+        NONNEGATIVE,
     )
 
 
@@ -107,15 +136,15 @@ class Jam(ValidatedData, of="jam."):
     """
 
     height: float = parameter(
-        45.0, "m", "of the place, by the conveyance's suspension", NONNEGATIVE
+        45.0, "m", "height of the conveyance's suspension at the place of the jam", NONNEGATIVE
     )
     distance: float = parameter(
-        2.0, "m", "from the place to where the guides begin to hold, up and down"
+        2.0, "m", "distance up and down from the place to where the guides begin to hold"
     )
-    force: float = parameter(8.0e5, "N", "that holds the conveyance at the place")
+    force: float = parameter(8.0e5, "N", "force that holds the conveyance at the place of the jam")
     travel: float = parameter(
         0.01, "m", "elastic deflection of the stuck conveyance at its full force"
     )
     damping: float = parameter(
-        5.0e-3, "s", "of the stuck conveyance: damping over stiffness", NONNEGATIVE
+        5.0e-3, "s", "damping of the stuck conveyance over its stiffness", NONNEGATIVE
     )

@@ -17,7 +17,7 @@ class Coupling(ValidatedData):
     step: float = parameter(
         0.01, "s", "communication step H", Bounds(0.0, 0.1, True, "take 0.005 to 0.02 s")
     )
-    start: float = parameter(0.0, "s", "time at the start", UNBOUNDED)
+    start: float = parameter(0.0, "s", "simulated time at the start", UNBOUNDED)
     #: one of hoist_demo.cosimulation.schemes.catalogue
     scheme: str = parameter(
         "gauss-seidel-1", "-", "coupling scheme, listed by wind --help", UNBOUNDED

@@ -45,68 +45,103 @@ class Hoist(ValidatedData):
     All values [assumed].
     """
 
-    conveyance_mass: float = parameter(10.0e3, "kg", "each conveyance with its attachments")
-    payload_left: float = parameter(5.0e3, "kg", "", NONNEGATIVE)
-    payload_right: float = parameter(0.0, "kg", "", NONNEGATIVE)
+    conveyance_mass: float = parameter(10.0e3, "kg", "mass of each conveyance with its attachments")
+    payload_left: float = parameter(5.0e3, "kg", "payload in the left conveyance", NONNEGATIVE)
+    payload_right: float = parameter(0.0, "kg", "payload in the right conveyance", NONNEGATIVE)
     sheave_mass: float = parameter(
         8.0e3, "kg", "inertia of sheave and motor referred to the rope, J / R^2"
     )
-    sheave_radius: float = parameter(1.25, "m")
+    sheave_radius: float = parameter(1.25, "m", "radius of the sheave")
     torque_lag: float = parameter(0.05, "s", "time constant of the motor torque")
-    torque_limit: float = parameter(2.2e5, "N m", "motor with service brake")
-    head_rope_number: int = parameter(4, "-", "", _COUNT)
-    head_rope_stiffness: float = parameter(2.6e7, "N", "EA of one rope", _STIFFNESS)
-    head_rope_mass: float = parameter(2.0, "kg/m", "of one rope")
+    torque_limit: float = parameter(
+        2.2e5, "N m", "largest torque of the motor together with the service brake"
+    )
+    head_rope_number: int = parameter(4, "-", "number of head ropes", _COUNT)
+    head_rope_stiffness: float = parameter(
+        2.6e7, "N", "axial stiffness EA of one head rope", _STIFFNESS
+    )
+    head_rope_mass: float = parameter(2.0, "kg/m", "mass per length of one head rope")
     head_rope_damping: float = parameter(
-        0.03, "-", "damping ratio of a conveyance on its ropes", NONNEGATIVE
+        0.03, "-", "damping ratio of a conveyance that vibrates on its head ropes", NONNEGATIVE
     )
     head_rope_length_up: float = parameter(
-        15.0, "m", "sheave axis above a conveyance at the upper landing"
+        15.0, "m", "height of the sheave's axis above a conveyance at the upper landing"
     )
-    loss_coulomb: float = parameter(4.0e3, "N", "at the sheave's rim", NONNEGATIVE)
-    loss_viscous: float = parameter(200.0, "N s/m", "at the sheave's rim", NONNEGATIVE)
+    loss_coulomb: float = parameter(4.0e3, "N", "Coulomb friction at the sheave's rim", NONNEGATIVE)
+    loss_viscous: float = parameter(
+        200.0, "N s/m", "viscous friction at the sheave's rim", NONNEGATIVE
+    )
     loss_speed: float = parameter(
         0.02, "m/s", "width of the smooth Coulomb law F tanh(v / loss_speed)"
     )
-    friction_coefficient: float = parameter(0.25, "-", "rope on lining", _FRICTION)
-    wrap_angle: float = parameter(math.pi, "rad", "", _ANGLE)
-    shaft_travel: float = parameter(90.0, "m", "between the landings")
+    friction_coefficient: float = parameter(
+        0.25, "-", "friction coefficient of the head ropes on the lining", _FRICTION
+    )
+    wrap_angle: float = parameter(
+        math.pi, "rad", "angle of the sheave that the head ropes wrap", _ANGLE
+    )
+    shaft_travel: float = parameter(90.0, "m", "distance between the landings")
     tail_rope_mass: float = parameter(
         8.0,
         "kg/m",
-        "of one balance rope, of ropes that differ the sum, for feed-forward and statics",
+        "mass per length of one balance rope, or of all together where they differ; for "
+        "feed-forward and statics",
         NONNEGATIVE,
     )
-    tail_rope_length: float = parameter(120.0, "m", "likewise", NONNEGATIVE)
+    tail_rope_length: float = parameter(
+        120.0,
+        "m",
+        "length of one balance rope, or the mean by mass where they differ; for feed-forward "
+        "and statics",
+        NONNEGATIVE,
+    )
     tail_rope_number: int = parameter(
         1,
         "-",
-        "of equal balance ropes, one of which is computed; of ropes that differ 1, their sum",
+        "number of equal balance ropes, of which one is computed; 1 where they differ",
         _COUNT,
     )
     conveyance_mass_right: float | None = parameter(
-        None, "kg", "of a counterweight or another conveyance; left out: as the left one"
+        None,
+        "kg",
+        "mass of a counterweight, or of a right conveyance that differs from the left one; "
+        "left out: as the left one",
     )
     power_limit: float | None = parameter(
-        None, "W", "of the motor and its converter, in both directions"
+        None, "W", "largest power of the motor and its converter, in both directions"
     )
     head_rope_modes: int = parameter(
-        0, "-", "longitudinal, of a side's head ropes, beyond their mean strain", _MODES
+        0,
+        "-",
+        "number of longitudinal modes of a side's head ropes, beyond their mean strain",
+        _MODES,
     )
-    drive_shaft: DriveShaft | None = parameter(None, "", "none: rigid")
-    brake: Brake | None = parameter(None, "", "none: no brake but the motor")
+    drive_shaft: DriveShaft | None = parameter(
+        None, "", "shaft between motor and sheave; left out: rigid"
+    )
+    brake: Brake | None = parameter(
+        None, "", "brake on the sheave; left out: only the motor brakes"
+    )
     lining: Lining | None = parameter(
-        None, "", "none: the head ropes hold on the sheave whatever they pull"
+        None, "", "lining on which the head ropes may slide; left out: they hold whatever they pull"
     )
-    guides: Guides | None = parameter(None, "", "none: no friction along the guides")
-    play: Play | None = parameter(None, "", "none: conveyances move along straight lines")
-    jam_left: Jam | None = parameter(None, "", "none: the left conveyance passes everywhere")
-    jam_right: Jam | None = parameter(None, "", "none: the right conveyance passes everywhere")
+    guides: Guides | None = parameter(None, "", "friction along the guides; left out: none")
+    play: Play | None = parameter(
+        None,
+        "",
+        "play of the conveyances between their guides; left out: they move along straight lines",
+    )
+    jam_left: Jam | None = parameter(
+        None, "", "place where the left conveyance jams; left out: it passes everywhere"
+    )
+    jam_right: Jam | None = parameter(
+        None, "", "place where the right conveyance jams; left out: it passes everywhere"
+    )
     slack_tension: float | None = parameter(
         None,
         "N",
-        "of the head ropes at either conveyance, below which the safety circuit opens; left out: "
-        "not watched",
+        "tension of the head ropes at either conveyance below which the safety circuit opens;"
+        " left out: not watched",
     )
 
     def __post_init__(self) -> None:

@@ -1,6 +1,7 @@
 """Parameters of files and data classes: fields with unit, meaning and bounds; reading of values.
 
-The metadata have the same names as those of rope_model's parameters.
+Unit, description, `lower`, `upper` and cure have the names of rope_model's parameters. There a bound
+may be another parameter, and the least positive number excludes 0; here `opens` does.
 """
 
 import math
@@ -17,31 +18,31 @@ _LARGEST_NUMBER = 1e300  #: Largest number that can be computed with.
 class Bounds(NamedTuple):
     """Bounds of a number, none where they are None, and the advice for one beyond them."""
 
-    low: float | None = None
-    high: float | None = None
-    opens: bool = False  # low is beyond them
+    lower: float | None = None
+    upper: float | None = None
+    opens: bool = False  # lower is beyond them
     cure: str = ""
 
     @property
     def description(self) -> str:
         """Return the bounds in a sentence."""
-        if self.low is not None and self.high is not None and not self.opens:
-            return f"within {self.low:.6g} and {self.high:.6g}"
+        if self.lower is not None and self.upper is not None and not self.opens:
+            return f"within {self.lower:.6g} and {self.upper:.6g}"
         parts = []
-        if self.low is not None:
+        if self.lower is not None:
             word = "above" if self.opens else "at least"
-            parts.append(f"{word} {self.low:.6g}")
-        if self.high is not None:
-            parts.append(f"at most {self.high:.6g}")
+            parts.append(f"{word} {self.lower:.6g}")
+        if self.upper is not None:
+            parts.append(f"at most {self.upper:.6g}")
         return " and ".join(parts) or "finite"
 
     def contains(self, value: float) -> bool:
         """Return True if a number is finite and keeps them."""
         if not math.isfinite(value):
             return False
-        if self.low is not None and (value < self.low or (self.opens and value == self.low)):
+        if self.lower is not None and (value < self.lower or (self.opens and value == self.lower)):
             return False
-        return self.high is None or value <= self.high
+        return self.upper is None or value <= self.upper
 
 
 POSITIVE = Bounds(0.0, opens=True)  #: Bounds of most quantities.

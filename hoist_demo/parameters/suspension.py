@@ -27,14 +27,19 @@ class SuspensionOffset:
     x_left: float = parameter(
         0.0,
         "m",
-        "from the left conveyance's centre to where the rope hangs, to the right",
+        "distance to the right from the left conveyance's centre to where the rope hangs",
         UNBOUNDED,
     )
-    x_right: float = parameter(0.0, "m", "the same at the right conveyance", UNBOUNDED)
+    x_right: float = parameter(
+        0.0,
+        "m",
+        "distance to the right from the right conveyance's centre to where the rope hangs",
+        UNBOUNDED,
+    )
     z: float = parameter(
         0.0,
         "m",
-        "from the conveyances' centres to where the rope hangs, out of their plane",
+        "distance out of the conveyances' plane from their centres to where the rope hangs",
         UNBOUNDED,
     )
 

@@ -18,7 +18,10 @@ class Shaper(ValidatedData):
 
     kind: Literal["ZV", "ZVD"] = parameter("ZVD", "")
     frequency: float = parameter(
-        0.0, "Hz", "damped, of the mode; 0: it and damping from the linear model", NONNEGATIVE
+        0.0,
+        "Hz",
+        "damped frequency of the mode; 0: the linear model gives frequency and damping",
+        NONNEGATIVE,
     )
     damping: float = parameter(
         0.0, "1", "damping ratio of the mode", Bounds(0.0, 0.999, cure="measure it")
@@ -30,10 +33,13 @@ class TrajectoryOptions(ValidatedData):
     """Options of the optimisation, with defaults of ours [assumed]."""
 
     swing_speed: float = parameter(
-        0.01, "m/s", "of the conveyances after arrival, that is worth swing_price"
+        0.01, "m/s", "speed of the conveyances after arrival that is worth swing_price"
     )
-    swing_price: float = parameter(1.0, "s")
-    hold: float = parameter(1.5, "s", "after arrival, over which the swing counts")
+    swing_price: float = parameter(1.0, "s", "time that a swing at swing_speed is worth")
+    hold: float = parameter(1.5, "s", "time after arrival over which the swing counts")
     intervals: int = parameter(
-        120, "1", "of the trip", Bounds(20, 2000, cure="take about 8 per second")
+        120,
+        "1",
+        "number of intervals of the trip",
+        Bounds(20, 2000, cure="take about 8 per second"),
     )

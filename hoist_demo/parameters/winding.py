@@ -17,27 +17,36 @@ EmergencyLaw = Literal["drive", "deceleration", "torque", "two-stage"]
 class Winding(ValidatedData):
     """One trip of the left conveyance, up if travel is positive, with waits before and after."""
 
-    travel: float = parameter(90.0, "m", "negative lowers", UNBOUNDED)
-    speed: float = parameter(8.0, "m/s", "limit")
-    acceleration: float = parameter(0.75, "m/s^2", "limit")
-    jerk: float = parameter(0.5, "m/s^3", "limit")
-    creep_speed: float = parameter(0.5, "m/s", "of a creep, where there is one")
+    travel: float = parameter(
+        90.0, "m", "travel of the left conveyance; a negative one lowers it", UNBOUNDED
+    )
+    speed: float = parameter(8.0, "m/s", "limit of the speed")
+    acceleration: float = parameter(0.75, "m/s^2", "limit of the acceleration")
+    jerk: float = parameter(0.5, "m/s^3", "limit of the jerk")
+    creep_speed: float = parameter(0.5, "m/s", "speed of a creep, where the trip has one")
     creep_distance: float = parameter(
         0.0,
         "m",
-        "to the landing from where creep speed is reached, final stop included; 0: no creep",
+        "distance to the landing at which creep speed is reached, final stop included; 0: no creep",
         NONNEGATIVE,
     )
     departure_creep_distance: float = parameter(
-        0.0, "m", "to where creep speed is left; 0: no creep", NONNEGATIVE
+        0.0, "m", "distance from the start at which creep speed is left; 0: no creep", NONNEGATIVE
     )
-    start_delay: float = parameter(1.0, "s", "", NONNEGATIVE)
-    settle: float = parameter(10.0, "s", "recorded after the reference has arrived", NONNEGATIVE)
+    start_delay: float = parameter(1.0, "s", "time at rest before the trip", NONNEGATIVE)
+    settle: float = parameter(
+        10.0, "s", "time that is recorded after the reference has arrived", NONNEGATIVE
+    )
     emergency_at: float | None = parameter(
-        None, "s", "emergency stop begins; left out: no emergency stop", NONNEGATIVE
+        None,
+        "s",
+        "time at which an emergency stop begins; left out: no emergency stop",
+        NONNEGATIVE,
     )
-    emergency_deceleration: float = parameter(5.0, "m/s^2")
-    emergency_jerk: float = parameter(50.0, "m/s^3", "the short ramp of the emergency deceleration")
+    emergency_deceleration: float = parameter(5.0, "m/s^2", "deceleration of an emergency stop")
+    emergency_jerk: float = parameter(
+        50.0, "m/s^3", "jerk of the short ramp to the emergency deceleration"
+    )
     emergency_law: EmergencyLaw = "drive"
 
     def __post_init__(self) -> None:
@@ -88,9 +97,13 @@ class Winding(ValidatedData):
 class Arrival(ValidatedData):
     """Bounds within which a conveyance counts as arrived; all values [assumed]."""
 
-    position_band: float = parameter(0.01, "m", "of the left conveyance about its landing")
-    speed_band: float = parameter(0.01, "m/s", "of both conveyances")
-    window: float = parameter(5.0, "s", "after the reference's arrival, over which swing is judged")
+    position_band: float = parameter(
+        0.01, "m", "largest distance of the left conveyance from its landing"
+    )
+    speed_band: float = parameter(0.01, "m/s", "largest speed of either conveyance")
+    window: float = parameter(
+        5.0, "s", "time after the reference's arrival over which swing is judged"
+    )
 
 
 def require_trip_fits(hoist: Hoist, winding: Winding) -> None:

@@ -61,13 +61,16 @@ METRICS = {
     **dict.fromkeys(
         ("swing_left", "swing_right"), ("m", "residual swing on the head ropes, peak to peak")
     ),
-    "swing_frequency": ("Hz", "damped, of the strongest mode of the larger swing"),
-    "swing_damping": ("1", "its damping ratio"),
+    "swing_frequency": ("Hz", "damped frequency of the strongest mode of the larger swing"),
+    "swing_damping": ("1", "damping ratio of the mode of swing_frequency"),
     "sway": (
         "m",
         "largest in-plane distance of the loop's lowest point from its place at rest, whole trip",
     ),
-    "sway_across": ("m", "likewise, out of the plane"),
+    "sway_across": (
+        "m",
+        "largest distance out of the plane of the loop's lowest point from its place at rest",
+    ),
     "loop_swing": ("m", "of the loop's lowest point in the plane after arrival, peak to peak"),
     "loop_yaw": ("rad", "largest magnitude"),
     "loop_sideways": (
@@ -94,16 +97,16 @@ METRICS = {
     "guard_tripped": ("1", "whether a guard of the loop has tripped, and stopped the hoist"),
     "guard_cause": (
         "1",
-        f"which: {', '.join(f'{k} {c}' for k, c in incidents.GUARD_CODES.items())}",
+        f"guard that has tripped: {', '.join(f'{k} {c}' for k, c in incidents.GUARD_CODES.items())}",
     ),
-    "guard_time": ("s", "when, in the record's time"),
-    "slack_time": ("s", "of slack head ropes, the worse side"),
+    "guard_time": ("s", "time of the record at which the guard tripped"),
+    "slack_time": ("s", "time with slack head ropes, the worse side"),
     "slip_safety": (
         "1",
         "(exp(mu alpha) - 1) / (largest ratio of the head rope tensions - 1): up to 1 they slip",
     ),
     "head_rope_slip": ("m", "to and fro on the sheave; 0 without hoist.lining"),
-    "simulated_time": ("s", "of the record"),
+    "simulated_time": ("s", "simulated time of the record"),
     "coupling_energy": ("J", "largest energy that the coupling's delay creates"),
 }
 

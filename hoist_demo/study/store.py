@@ -101,12 +101,12 @@ class Store:
             import pyarrow as pa
             import pyarrow.parquet as pq
 
-            fields = [
+            columns = [
                 pa.field(n, pa.float64(), metadata={"unit": outcome.units.get(n, "")})
                 for n in outcome.signals
             ]
             table = pa.table(
-                [pa.array(values) for values in outcome.signals.values()], schema=pa.schema(fields)
+                [pa.array(values) for values in outcome.signals.values()], schema=pa.schema(columns)
             )
             with whole_file(self.directory / "signals" / f"{key}.parquet") as path:
                 pq.write_table(table, path)
@@ -122,10 +122,10 @@ class Store:
 
         frame = pd.DataFrame(list(rows))
         table = pa.Table.from_pandas(frame, preserve_index=False)
-        fields = [
+        columns = [
             field.with_metadata({"unit": units.get(field.name, "")}) for field in table.schema
         ]
-        schema = pa.schema(fields, metadata={**(table.schema.metadata or {}), "title": title})
+        schema = pa.schema(columns, metadata={**(table.schema.metadata or {}), "title": title})
         with whole_file(self.directory / "results.parquet") as path:
             pq.write_table(table.cast(schema), path)
         header = []

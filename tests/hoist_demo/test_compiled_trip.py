@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from ctypes import CFUNCTYPE, c_double, c_float, c_int, c_size_t, c_void_p
 from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -21,11 +22,14 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.controller import Gains
 from hoist_demo.cosimulation.compiled_trip import CompiledTrip
 from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants import fmu_rope
+from hoist_demo.cosimulation.participants.fmi_versions import Instance
+from hoist_demo.cosimulation.participants.fmu_description import Fmu, read_fmu
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.run_state import Result
-from hoist_demo.cosimulation.schemes.interface import RopePlant
+from hoist_demo.cosimulation.schemes.interface import ROPE_FORCES, RopePlant
 from hoist_demo.parameters import Coupling, Winding
-from rope_model import Level
+from rope_model import EndMotion, Level
 
 pytestmark = pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
 
@@ -196,6 +200,85 @@ def test_other_schemes_slipping_ropes_and_brakes_are_wound_in_python(in_c: list[
         # what is wound in C is so from the first sample on; here the brake holds since 0.5 s
         assert wound.run(progress=lambda _, t: t < 1.5).recording.time[-1] > 1.4
     assert sum(in_c) == 0
+
+
+def _with_types(fmu: Path, types: dict[str, str]) -> Fmu:
+    """Return the description of an FMU with other types of these variables."""
+    described = read_fmu(fmu)
+    variables = [replace(v, type=types.get(v.name, v.type)) for v in described.variables]
+    return replace(described, variables=tuple(variables))
+
+
+@pytest.mark.parametrize("name", ["left.y", "right.az", "left.fy", "right.fy_mean", "left.fx"])
+def test_a_rope_with_single_precision_is_not_wound_in_c(
+    name: str, fmu_of: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fmu = fmu_of("native-3")
+    rope = FmuRope(fmu)
+    assert rope.library() is not None
+    rope.close()
+    described = _with_types(fmu, {name: "Float32"})
+    monkeypatch.setattr(fmu_rope, "read_fmu", lambda _: described)
+    rope = FmuRope(fmu)
+    assert rope.library() is None
+    rope.close()
+
+
+def test_each_motion_is_set_by_the_function_of_its_own_type(
+    fmu_of: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ends = EndMotion(y=0.25), EndMotion(y=89.75)  # exact in single precision
+    fmu = fmu_of("native-3")
+    rope = FmuRope(fmu)
+    assert rope.initialize(0.0, *ends).valid
+    expected = rope.reader(ROPE_FORCES)()
+    rope.close()
+
+    described = _with_types(fmu, {"left.y": "Float32", "right.y": "Float32"})
+    monkeypatch.setattr(fmu_rope, "read_fmu", lambda _: described)
+    function = Instance._function
+    set_singles: list[list[float]] = []
+    kept = []
+
+    def function_with_singles(self: Instance, name: str) -> Any:
+        if name != "SetFloat32":
+            return function(self, name)
+        set_doubles = function(self, "SetFloat64")
+
+        def set_floats(fmu: int, references: int, count: int, values: int, length: int) -> int:
+            singles = list((c_float * length).from_address(values))
+            set_singles.append(singles)
+            doubles = (c_double * length)(*singles)
+            status: int = set_doubles(
+                c_void_p(fmu), c_void_p(references), c_size_t(count), doubles, c_size_t(length)
+            )
+            return status
+
+        kept.append(CFUNCTYPE(c_int, c_void_p, c_void_p, c_size_t, c_void_p, c_size_t)(set_floats))
+        return kept[-1]
+
+    monkeypatch.setattr(Instance, "_function", function_with_singles)
+    rope = FmuRope(fmu)
+    assert rope.initialize(0.0, *ends).valid
+    forces = rope.reader(ROPE_FORCES)()
+    rope.close()
+    assert set_singles == [[0.25, 89.75]]
+    assert forces.tolist() == expected.tolist()
+
+
+def test_an_input_that_is_no_real_number_is_refused(
+    fmu_of: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fmu = fmu_of("native-3")
+    described = read_fmu(fmu)
+    variables = [
+        replace(v, type="Int32", kind="Integer") if v.name == "left.y" else v
+        for v in described.variables
+    ]
+    described = replace(described, variables=tuple(variables))
+    monkeypatch.setattr(fmu_rope, "read_fmu", lambda _: described)
+    with pytest.raises(ValueError, match=r"must have left\.y as a real number, not of the type"):
+        FmuRope(fmu)
 
 
 #: A call through a type whose result is an int for an enumeration: what the check below must find.

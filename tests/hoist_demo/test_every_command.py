@@ -1,6 +1,8 @@
 """What the commands do: numbers have a status, folders are named that cannot be, values and columns are set by name."""
 
+import argparse
 import csv
+import logging
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
@@ -317,6 +319,28 @@ def test_a_hoist_takes_no_other_s_fmu(tmp_path: Path, monkeypatch: Patch) -> Non
         main(["wind", hoist, "--check"]) for hoist in ("rope-120", "rope-240", "mine.toml")
     ] == [2, 0, 0]
     assert fmu_name("monopol-1000", NATIVE_ENDING) != fmu_name("rope-120", NATIVE_ENDING)
+
+
+def test_the_fmu_that_is_wound_is_the_given_one_or_the_default_that_exists(tmp_path: Path) -> None:
+    given = tmp_path / "given.fmu"
+    default = tmp_path / "default.fmu"
+    in_process = argparse.Namespace(fmu=None, in_process=True)
+    left_open = argparse.Namespace(fmu=None, in_process=False)
+    assert wind._chosen_fmu(argparse.Namespace(fmu=given, in_process=False), default) == given
+    assert wind._chosen_fmu(left_open, default) is None
+    default.touch()
+    assert wind._chosen_fmu(left_open, default) == default
+    assert wind._chosen_fmu(in_process, default) is None
+    assert left_open == argparse.Namespace(fmu=None, in_process=False)
+
+
+def test_an_error_shows_its_place_with_verbose_alone(caplog: pytest.LogCaptureFixture) -> None:
+    shown = []
+    for level in (logging.WARNING, logging.INFO):
+        with caplog.at_level(level):
+            assert main(["show", "no such hoist"]) == 2
+        shown.append("Traceback" in caplog.text)
+    assert shown == [False, True]
 
 
 def test_a_level_that_is_not_wound_is_told(

@@ -207,7 +207,7 @@ def test_over_a_sheave_that_is_held_two_weights_fall_as_on_a_capstan() -> None:
     assert work == pytest.approx(force * slid, rel=1e-3)
 
 
-@pytest.mark.parametrize(("speed", "when"), [(8.0, "of this trip"), (-8.0, "of the trip back")])
+@pytest.mark.parametrize(("speed", "when"), [(8.0, "of this trip"), (-8.0, "of a trip back")])
 def test_statics_foresee_the_hold_under_the_full_brake(speed: float, when: str) -> None:
     # heavily damped ropes without mass, as the statics have them
     light = {

@@ -137,6 +137,8 @@ def test_a_new_hoist_reads_back_and_shows_what_statics_say(
     torques = [rope.parameters["rope.Qc"] for rope in case.distinct_ropes]
     assert torques[0] == -torques[1] > 0.0
     assert f"balance-rope show '{path}'; balance-rope wind '{path}'" in capsys.readouterr().out
+    assert main(["wind", str(path), "--check"]) == 0
+    assert "`balance-rope check` judges the hoist" in capsys.readouterr().out
     assert main(["show", str(path)]) == 0
     said, warned = capsys.readouterr()
     assert "may touch" not in warned
@@ -513,12 +515,29 @@ def test_each_broken_bound_of_a_hoist_is_named() -> None:
     for k, row in enumerate(kept):
         broken = [*kept[:k], replace(row, holds=False), *kept[k + 1 :]]
         check = HoistCheck(tuple(broken))
-        assert check.problems == [row.problem]
-        assert check_in_words(check) == "1 problem found"
+        if row.in_trip:
+            assert check.problems == [row.problem]
+            assert check_in_words(check) == "1 problem found"
+        else:
+            assert check.notes == [row.problem]
+            assert check_in_words(check) == "no problems found"
         table = " ".join(consequences_text(case.hoist, broken, ()).split())
         assert table.count("NOT KEPT") == 1
         assert f"{row.value}, at least {row.bound}: NOT KEPT" in table
     assert HoistCheck(tuple(kept), ("a remark",)).problems == ["a remark"]
+
+
+def test_a_new_hoist_says_which_bounds_it_does_not_keep(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "mine.toml"
+    asked = ["--depth", "870", "--payload", "22t", "--speed", "16", "--diameter", "52mm"]
+    assert main(["new", "mine", *asked, "--out", str(path)]) == 0
+    said, warned = capsys.readouterr()
+    broken = problems(find_case(str(path)))
+    assert f"{len(broken)} problems found" in said
+    assert all(f"balance-rope: {line}\n" in warned for line in broken)
+    assert "balance-rope: slip safety at rest is 1.61 " in warned
 
 
 def test_the_complete_file_has_the_statuses_of_the_hoist(tmp_path: Path) -> None:
@@ -548,13 +567,14 @@ layout.spacing = 2.0
 def test_a_trip_that_slips_or_asks_too_much_of_the_motor_is_told() -> None:
     case = find_case("kiruna-355")
     stopped = replace(case.winding, emergency_at=10.0, emergency_deceleration=6.0)
-    in_stop = "slip safety in an emergency stop of this trip (drive)"
+    in_stop = "slip safety in an emergency stop (drive) of this trip"
     assert not any(in_stop in line for line in problems(case))
     assert any(in_stop in line for line in problems(replace(case, winding=stopped)))
-    # what the table prints below its bound is told, whether or not this trip has a stop
-    assert any(
-        line.startswith("slip safety in one of the trip back (drive)") for line in problems(case)
-    )
+    # a stop of another trip is told, and is no problem of this one
+    of_trip_back = "slip safety in an emergency stop (drive) of a trip back with the same payloads"
+    assert not any(of_trip_back in line for line in problems(case))
+    (note,) = HoistCheck(tuple(checks(case))).notes
+    assert note.startswith(of_trip_back)
     # a short trip reaches less of its speed, and asks for less power
     weak = replace(case.hoist, power_limit=5e5)
     short = replace(case.winding, travel=5.0)

@@ -19,13 +19,18 @@ from hoist_demo.drive.plant import PlantState
 from hoist_demo.drive_fmu.description import drive_model
 from hoist_demo.parameters import (
     GRAVITY,
+    Arrival,
+    Coupling,
     Hoist,
     Winding,
+    quantity,
     require_jams_on_the_way,
     require_trip_fits,
 )
 from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play
-from rope_model import EndMotion
+from hoist_demo.parameters.suspension import SuspensionOffset
+from hoist_demo.parameters.trip_design import Shaper, TrajectoryOptions
+from rope_model import EndMotion, parameter_table
 
 FULL = Hoist(
     head_rope_modes=2,
@@ -311,3 +316,24 @@ BAD = {
 def test_bad_data_is_named_with_its_bound_and_a_cure(name: str) -> None:
     with pytest.raises(ValueError, match=rf"^{name} = .* must be .*: .*"):
         BAD[name]()
+
+
+def test_bounds_of_host_and_rope_have_the_same_names() -> None:
+    shared = {"lower", "upper", "cure"}
+    assert shared <= {*quantity.Bounds._fields}
+    assert shared <= {*parameter_table.Bounds._fields}
+
+
+@pytest.mark.parametrize(
+    "data", [Hoist, Winding, Coupling, Arrival, Gains, Shaper, TrajectoryOptions, SuspensionOffset]
+)
+def test_each_number_of_the_host_has_a_description_that_stands_alone(data: type) -> None:
+    # a first word that leans on the name of the key or on the row above
+    leaning = ("at", "by", "for", "from", "in", "its", "likewise", "none", "of", "that", "to")
+    for one in quantity.leaves(data):
+        if one.choices:
+            continue
+        words = one.meaning.split()
+        assert len(words) > 1, one
+        assert words[0] not in leaning, one
+        assert not one.meaning.startswith("the same"), one

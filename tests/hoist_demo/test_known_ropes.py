@@ -26,6 +26,7 @@ from hoist_demo.calibration.fit import (
     END_TOLERANCE,
     RANGE_VARIANCE,
     REACH,
+    NotComputed,
     fit,
     intervals,
     sensitivities,
@@ -120,13 +121,23 @@ def test_a_direction_without_data_keeps_its_range_and_its_middle() -> None:
 def test_a_search_turns_back_where_a_rope_cannot_be_computed(best: float) -> None:
     def residuals(u: NDArray[np.float64]) -> NDArray[np.float64]:
         if u[0] > 0.6:
-            raise RuntimeError("cannot hang")
+            raise NotComputed("cannot hang")
         return np.array([9.0 * (u[0] - best), 3.0 * (u[0] + u[1] - 1.0)])
 
     found = fit(residuals, 2)
     assert_allclose(found.norm_params[0], min(best, 0.6), atol=0.01)
     low, high = intervals(residuals, found)[0]
     assert low < found.norm_params[0] <= high <= 0.6 + 0.01
+
+
+def test_a_search_ends_at_an_error_that_is_none_of_the_rope() -> None:
+    def residuals(u: NDArray[np.float64]) -> NDArray[np.float64]:
+        if u[0] > 0.6:
+            raise RuntimeError("a mistake in the code")
+        return np.array([9.0 * (u[0] - 0.9)])
+
+    with pytest.raises(RuntimeError, match="a mistake in the code"):
+        fit(residuals, 1)
 
 
 def test_a_rope_without_a_neighbour_is_refused() -> None:

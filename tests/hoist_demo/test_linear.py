@@ -223,6 +223,27 @@ def test_the_number_of_states_follows_from_the_measured_error(
         reduced([model])
 
 
+def test_an_error_of_the_computation_is_not_taken_for_too_few_motions(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    (model,) = (
+        m.selected(TORQUE, SEEN[:3]) for m in linearise(find_case("rope-120"), [0.3], level="draft")
+    )
+    few = reduced([model], 9)
+    monkeypatch.setattr(reduction, "MAX_DECIBELS", 0.9 * float(few.decibels.max()))
+    projected = reduction._projected
+
+    def singular_beyond_9_states(of: Any, basis: Any) -> Any:
+        found = projected(of, basis)
+        if found[0].shape[0] > 9:
+            raise np.linalg.LinAlgError("a mistake in the code")
+        return found
+
+    monkeypatch.setattr(reduction, "_projected", singular_beyond_9_states)
+    with pytest.raises(np.linalg.LinAlgError, match="a mistake in the code"):
+        reduced([model])
+
+
 @pytest.mark.parametrize(
     ("hoist", "at"),
     [pytest.param("rope-120", 1.0), pytest.param("robert-1096", 0.5, marks=pytest.mark.slow)],

@@ -128,9 +128,18 @@ class Instance(ABC):
     def buffer(
         self, direction: Literal["Get", "Set"], variables: Sequence[Variable], rows: int = 1
     ) -> Buffer:
-        """Return a reusable buffer for all elements of variables of one type."""
+        """Return a reusable buffer for all elements of variables of one type.
+
+        ValueError for variables of several types: one function of FMI serves one type.
+        """
         names = [*chain.from_iterable(variable.elements for variable in variables)]
-        type_ = self._function_type(variables[0])
+        types = sorted({self._function_type(variable) for variable in variables})
+        if len(types) > 1:
+            raise ValueError(
+                f"a buffer of {', '.join(names)} must hold one type of FMI, not "
+                f"{' and '.join(types)}: make one for each type"
+            )
+        (type_,) = types
         values = np.zeros((rows, len(names)), self._dtype(type_))
         references = (c_uint32 * len(variables))(*(v.reference for v in variables))
         name = f"{direction}{type_}"

@@ -24,6 +24,8 @@ from rope_model.scene_names import choices_of
 #: Versions of FMI that the host drives, as model descriptions state them.
 FMI_VERSIONS = ("2.0", "3.0")
 NUMBERS = ("Real", "Integer", "Enumeration", "Boolean")
+#: Types whose values are doubles in C, in FMI 2.0 and 3.0.
+DOUBLES = ("Real", "Float64")
 _KINDS = {"Enumeration": "Integer"}
 #: Folders that no instance reads.
 _NOT_TO_RUN = ("sources/", "documentation/", "terminalsAndIcons/")

@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import fields
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ from hoist_demo.cosimulation.participants.fmi_versions import (
     Instance,
 )
 from hoist_demo.cosimulation.participants.fmu_description import (
+    DOUBLES,
     NUMBERS,
     Variable,
     read_fmu,
@@ -42,15 +43,18 @@ from hoist_demo.cosimulation.schemes.interface import (
     ADDED_MASSES,
     ROPE_FORCES,
     SUCCESS,
+    ParticipantFailed,
     Reader,
     end_signals,
 )
+from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.fidelity import FIDELITY
 from rope_model import SIDES, EndMotion, Status
 
 _log = logging.getLogger(__name__)
 INPUTS = tuple(field.name for field in fields(EndMotion))  #: Names of an end's inputs.
+_MOTIONS = end_signals(*INPUTS)  #: Inputs of both ends, left then right.
 
 
 class FmuRope:
@@ -74,11 +78,17 @@ class FmuRope:
         self._description = fmu.description
         self._described = fmu.parameters
         self._variables = fmu.by_name
-        inputs = [self._variable(name) for name in end_signals(*INPUTS)]
+        inputs = [self._variable(name) for name in _MOTIONS]
         if missing := [name for name in ROPE_FORCES if name not in fmu.outputs]:
             raise ValueError(
                 f"FMU '{path}' must have the outputs {', '.join(missing)}: export it anew"
             )
+        for variable in (*inputs, *(self._variable(name) for name in ROPE_FORCES)):
+            if variable.kind != "Real":
+                raise ValueError(
+                    f"FMU '{path}' must have {variable.name} as a real number, not of the type "
+                    f"{variable.type}: export it anew"
+                )
         if recorded is None:
             recorded = fmu.outputs.keys() - {*ADDED_MASSES}
         self._units = {name: unit for name, unit in fmu.outputs.items() if name in recorded}
@@ -91,7 +101,8 @@ class FmuRope:
             raise ValueError(
                 f"the FMU must instantiate, but: {self._explanation(error)}: export it anew"
             ) from error
-        self._motions = self._fmu.buffer("Set", inputs)
+        self._motions = self._buffers("Set", inputs, rows=1)
+        self._motion_columns = [_columns(buffer, _MOTIONS) for buffer in self._motions]
         valid = self._variables.get("status.valid")
         self._valid: Buffer | None = None
         if valid is not None:
@@ -138,12 +149,22 @@ class FmuRope:
 
         return read
 
-    def library(self) -> RopeLibrary:
-        """Return the FMU's functions for trip.c."""
+    def library(self) -> RopeLibrary | None:
+        """Return the FMU's functions for trip.c; None for an FMU of other types than trip.c takes.
+
+        trip.c has the motions, the rope's forces and its side forces as rows of doubles.
+        """
+        side_forces = [name for name in SIDE_FORCES if name in self._variables]
+        if side_forces and len(side_forces) < len(SIDE_FORCES):
+            return None
+        exchanged = (*_MOTIONS, *ROPE_FORCES, *side_forces)
+        if not all(_is_double(self._variable(name)) for name in exchanged):
+            return None
+        (motions,) = self._motions
         valid = None if self._valid is None else self._valid.access
         return RopeLibrary(
             step=self._fmu.step_access,
-            motions=self._motions.access,
+            motions=motions.access,
             table=self._table,
             status=self._status_of,
             valid=valid,
@@ -164,10 +185,7 @@ class FmuRope:
             self._variables[name] for name in names if name in self._variables
         )
         readable = [v for v in variables if v.kind in NUMBERS or v.name == FIDELITY]
-        buffers = []
-        for type_ in dict.fromkeys(v.type for v in readable):
-            of_type = [v for v in readable if v.type == type_]
-            buffers.append(self._fmu.buffer("Get", of_type, rows))
+        buffers = self._buffers("Get", readable, rows)
         columns = [_columns(buffer, names) for buffer in buffers]
 
         def values(count: int) -> NDArray[np.float64]:
@@ -180,6 +198,16 @@ class FmuRope:
             return table
 
         return buffers, values
+
+    def _buffers(
+        self, direction: Literal["Get", "Set"], variables: Sequence[Variable], rows: int
+    ) -> list[Buffer]:
+        """Return a buffer for the variables of each type."""
+        buffers = []
+        for type_ in dict.fromkeys(v.type for v in variables):
+            of_type = [v for v in variables if v.type == type_]
+            buffers.append(self._fmu.buffer(direction, of_type, rows))
+        return buffers
 
     def _status_of(self, call: str, status: int) -> Status:
         """Return the status of a step that has failed in one of its calls, which C has made."""
@@ -282,8 +310,10 @@ class FmuRope:
             ) from error
 
     def _set_motions(self, left: EndMotion, right: EndMotion) -> None:
-        self._motions.values[0] = *vars(left).values(), *vars(right).values()
-        self._motions.call()
+        motions = np.array([*vars(left).values(), *vars(right).values()])
+        for buffer, column in zip(self._motions, self._motion_columns, strict=True):
+            buffer.values[0, column.in_buffer] = motions[column.in_table]
+            buffer.call()
 
     def _status(self) -> Status:
         """Return the status by `status.valid` and `status.message`.
@@ -318,11 +348,11 @@ class FmuRope:
 
     @contextmanager
     def _translate_failures(self) -> Iterator[None]:
-        """Raise a failed call as RuntimeError, so that callers need no FMPy."""
+        """Raise a failed call as ParticipantFailed, so that callers need no FMPy."""
         try:
             yield
         except CallError as error:
-            raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
+            raise ParticipantFailed(f"the FMU fails: {self._explanation(error)}") from error
 
     def _explanation(self, error: Exception) -> str:
         """Return the cause of a failed call, with the FMU's messages."""
@@ -356,6 +386,11 @@ def _columns(buffer: Buffer, names: Sequence[str]) -> _Columns:
     in_table = [k for k, name in enumerate(names) if name in index]
     in_buffer = [index[names[k]] for k in in_table]
     return _Columns(np.array(in_buffer), np.array(in_table))
+
+
+def _is_double(variable: Variable) -> bool:
+    """Return True for a scalar whose value is a double in C."""
+    return variable.type in DOUBLES and variable.elements == (variable.name,)
 
 
 @lru_cache(maxsize=8)  # a study winds with the same file in every run

@@ -183,7 +183,7 @@ class RopeGroup:
             member.rope.restore(rope)
 
     def to_bytes(self, snapshot: GroupSnapshot) -> bytes:
-        """Return a snapshot of all ropes as bytes; RuntimeError if a rope's cannot be written."""
+        """Return a snapshot of all ropes as bytes; ParticipantFailed if a rope's cannot be written."""
         pairs = zip(self.members, snapshot.ropes, strict=True)
         ropes = [member.rope.to_bytes(rope) for member, rope in pairs]
         of_group = tuple(snapshot[1:])

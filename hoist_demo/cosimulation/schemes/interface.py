@@ -33,6 +33,10 @@ HISTORY = 3  #: Samples that are remembered: enough for a quadratic extrapolatio
 SUCCESS = Status(True)
 
 
+class ParticipantFailed(RuntimeError):
+    """Failure of drive or rope that ends the run; its text is the cause."""
+
+
 class InterfaceMotion(NamedTuple):
     """Places, speeds and accelerations of the n interface coordinates at one instant, each (n,)."""
 
@@ -232,12 +236,12 @@ class CoupledSystem:
     def added_mass(self) -> Vector:
         """Return the fall of the forces per acceleration that grows over a step, (n,) [kg].
 
-        Raises ValueError if the rope does not compute it.
+        Raises ParticipantFailed if the rope does not compute it.
         """
         with self._clock:
             added = self._read_added_masses()
         if not np.isfinite(added).all():
-            raise ValueError(
+            raise ParticipantFailed(
                 f"the rope's added mass, outputs {' and '.join(ADDED_MASSES)}, must be known, "
                 f"it is {added}: take gauss-seidel-1 or iterative-secant"
             )

@@ -66,7 +66,7 @@ def predict_stability(
     """Predict the scheme's stability by trial steps of the rope at rest.
 
     Returns None where the response of the rope is not known. Raises ValueError for a scheme that
-    needs more of the rope than it has.
+    takes steps back with a rope that cannot, ParticipantFailed for one that lacks the added masses.
     """
     if scheme.needs_added_mass:
         coupled.added_mass()

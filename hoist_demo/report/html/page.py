@@ -47,9 +47,9 @@ def render_page(kind: str, title: str, body: str, note: str = "", scripts: str =
     )
 
 
-def running(files: Sequence[str], data: Mapping[str, object]) -> str:
+def running(scripts: Sequence[str], data: Mapping[str, object]) -> str:
     """Return the script elements of a page: the data as JSON, and the code that reads them."""
-    code = "\n".join(asset(name) for name in ("common.js", *files))
+    code = "\n".join(asset(name) for name in ("common.js", *scripts))
     text = json.dumps(_finite(data), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     inside = text.replace("<", "\\u003c")  # it may stand in a script element
     data_element = f'<script type="application/json" id="data">{inside}</script>'
