@@ -99,7 +99,7 @@ def test_a_swivel_that_slips_without_friction_has_the_linear_model_of_a_free_one
     models = []
     for left in (FREE, Swivel(mode="coulomb", mu_static=0.0, mu_kinetic=0.0)):
         engine = hung(Rope(), left=left)
-        assert engine.advance_to(0.01, EndMotion(), EndMotion()).valid
+        assert engine.advance_to(0.01, *ENDS).valid
         models.append(linear_rope(engine))
     free, frictionless = models
     assert_array_equal(frictionless.free, free.free)
