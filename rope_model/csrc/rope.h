@@ -55,8 +55,8 @@ typedef struct {
 void rope_apply(Simulator *sim, const PointForces *forces);
 /* Arc length, r, r', and the rates of r and r' of each node. */
 void rope_rows(const Simulator *sim, double (*rows)[13]);
-/* Displacements, m, by forces at `start` that act at the end of a step as long as the last one; linearised.  Refused for
-   a rigid rope. */
+/* Displacements, m, by forces at `start` that act at the end of a step as long as the last one; linearised.  Refused
+   for a rigid rope. */
 RopeStatus rope_displacement(Simulator *sim, const PointForces *forces, double (*moved)[3]);
 const char *rope_message(const Simulator *sim);
 

@@ -95,6 +95,17 @@ def test_a_rope_that_may_spin_as_a_whole_flows_as_one_that_may_not() -> None:
     assert_allclose(both.stiffness.toarray(), one.stiffness.toarray(), rtol=0, atol=1e-9 * scale)
 
 
+def test_a_swivel_that_slips_without_friction_has_the_linear_model_of_a_free_one() -> None:
+    models = []
+    for left in (FREE, Swivel(mode="coulomb", mu_static=0.0, mu_kinetic=0.0)):
+        engine = hung(Rope(), left=left)
+        assert engine.advance_to(0.01, *ENDS).valid
+        models.append(linear_rope(engine))
+    free, frictionless = models
+    assert_array_equal(frictionless.free, free.free)
+    assert_array_equal(frictionless.stiffness.toarray(), free.stiffness.toarray())
+
+
 def test_a_rope_without_torsion_has_no_linear_model() -> None:
     with pytest.raises(ValueError, match=r"model\.fidelity must be 'torsional'"):
         linear_rope(hung(Rope(Qb=0.0, Qc=0.0), "planar"))
