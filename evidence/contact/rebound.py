@@ -23,7 +23,7 @@ from rope_model.physics.contact_element import CONTACT_BALANCE, LAW
 from rope_model.physics.element import BALANCE, ElementFunctions
 from rope_model.physics.rope_element import rope_element
 from rope_model.reference.equations import Equations, of_elements
-from rope_model.reference.generalized_alpha import restart, step
+from rope_model.reference.generalized_alpha import Motion, restart, step
 from rope_model.shaft_parameters import Contact, Sump
 
 #: m of rope, in so many elements, and the gap below it
@@ -81,6 +81,7 @@ def _above_floor(equations: Equations, rope: Rope, contact: Contact) -> Equation
 def _impact(equations: Equations, q: Array, v: Array, h: float) -> Rebound:
     """Return what becomes of the rope ``q`` that falls with ``v``, as soon as it has left the floor."""
     motion = restart(equations, 0.0, q, v)
+    assert isinstance(motion, Motion)
     before = _balance(equations, q, v)["kinetic"]
     dissipated = 0.0
     depth = 0.0

@@ -16,7 +16,7 @@ from rope_model import BalanceRope, EndMotion
 from rope_model.method.swivel_phases import Phase, SwivelState, swivel_friction
 from rope_model.parameters import Rope, Scene, Swivel
 from rope_model.reference.ends import onwards
-from rope_model.reference.generalized_alpha import restart, step
+from rope_model.reference.generalized_alpha import Motion, restart, step
 from rope_model.reference.state import State
 from rope_model.solver_parameters import Mesh, Model
 
@@ -67,7 +67,9 @@ def explicit_sign(scene: Scene) -> Array:
         equations = state.equations(scene)
         motion = state.motion
         if k == 1:
-            motion = restart(equations, motion.t, motion.q, motion.v)
+            restarted = restart(equations, motion.t, motion.q, motion.v)
+            assert isinstance(restarted, Motion)
+            motion = restarted
         tried = step(
             equations, motion, k * H - motion.t, scene.solver.rho_inf, scene.solver.newton_tolerance
         )

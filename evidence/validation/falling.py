@@ -12,7 +12,7 @@ from evidence.tables import Array
 from rope_model.parameters import Layout, Rope
 from rope_model.physics.node import POSITION
 from rope_model.reference.equations import Equations
-from rope_model.reference.generalized_alpha import coefficients, restart, step
+from rope_model.reference.generalized_alpha import Motion, coefficients, restart, step
 from rope_model.reference.statics import find_equilibrium, hanging_guess
 
 GRAVITY = Layout().gravity
@@ -60,6 +60,7 @@ def fall(EI: float, elements: int, largest: float, tolerance: float) -> Fall:
     """The tip's fall by generalized-alpha; a step that fails or errs by more than ``tolerance`` (m) is halved."""
     equations, q = fold(EI, elements)
     motion = restart(equations, 0.0, q, np.zeros_like(q))
+    assert isinstance(motion, Motion)
     start = potential(equations.balance(q, motion.v))
     local_error = coefficients(RHO_INF).local_error
     h = largest

@@ -42,15 +42,21 @@ BAND_ROWS = 3 * BAND + 1
 
 @dataclass(frozen=True)
 class Factors:
-    """Tangent J as a product of triangular matrices."""
+    """Tangent J of what is free as a product of triangular matrices."""
 
     lu: Array
     pivots: NDArray[np.int32]
+    held: Mask  #: true where a degree of freedom is held (nodes, 7)
+    singular: bool  #: true if J has no inverse: there is nothing to solve
 
     def solve(self, force: Array) -> Array:
-        """Return x (nodes, 7) with J x = ``force`` (nodes, 7)."""
-        x, _ = dgbtrs(self.lu, BAND, BAND, force.ravel(), self.pivots)
-        return np.asarray(x).reshape(force.shape)
+        """Return x (nodes, 7) with J x = ``force`` (nodes, 7) where free, and 0 where held.
+
+        LAPACK exchanges rows: its own x where held is 0 up to rounding.
+        """
+        load = np.where(self.held, 0.0, force)
+        x, _ = dgbtrs(self.lu, BAND, BAND, load.ravel(), self.pivots)
+        return np.where(self.held, 0.0, np.asarray(x).reshape(force.shape))
 
 
 @dataclass(frozen=True)
@@ -120,8 +126,8 @@ class Equations:
         band[DIAGONAL] += c[2] * self.inertia.ravel()
         self._add_friction(band, R)
         self._hold(band)
-        lu, pivots, _ = dgbtrf(band, BAND, BAND, overwrite_ab=True)
-        return R, Factors(lu, pivots)
+        lu, pivots, info = dgbtrf(band, BAND, BAND, overwrite_ab=True)
+        return R, Factors(lu, pivots, self.held, singular=info > 0)
 
     def _values(self, function: ca.Function, *arguments: Array | float) -> tuple[Array, ...]:
         """Return the results of a ``function`` of an element for all elements."""

@@ -20,7 +20,7 @@ import numpy as np
 
 from rope_model.arrays import Array
 from rope_model.reference.equations import Equations
-from rope_model.reference.newton import Cause, Guess, solve
+from rope_model.reference.newton import Cause, Failure, Guess, solve
 
 #: growth of the step above which the acceleration's rate over the shorter step is mostly noise, and
 #: is not used
@@ -119,17 +119,20 @@ def step(
     return Step(motion, found.corrections, None)
 
 
-def restart(equations: Equations, t: float, q: Array, v: Array) -> Motion:
+def restart(equations: Equations, t: float, q: Array, v: Array) -> Motion | Failure:
     """Return the motion at ``t`` (s) with accelerations from equilibrium and without a history.
 
-    The residual is linear in the accelerations: one correction finds them.
+    The residual is linear in the accelerations: one correction finds them.  It fails if something
+    that is free has no mass.
     """
     held_q, held_v, held_a = equations.motion(t)
     q = np.where(equations.held, held_q, q)
     v = np.where(equations.held, held_v, v)
     a = np.where(equations.held, held_a, 0.0)
     R, mass = equations.linearised(q, v, a, (0.0, 0.0, 1.0), prestress=q)
-    a = a + mass.solve(np.where(equations.held, 0.0, -R))
+    if mass.singular:
+        return Failure(Cause.SINGULAR, t, "a restart of the integrator")
+    a = a + mass.solve(-R)
     return Motion(t, q, v, a, a, np.zeros_like(a), 0.0, equations.residual(q, v, a))
 
 

@@ -15,6 +15,7 @@ from rope_model.boundary.end_paths import RESTS_BELOW, EndMotion
 from rope_model.boundary.point_forces import PointForces
 from rope_model.fidelity.choice import Fidelity
 from rope_model.interface import BalanceRope, Snapshot, Status
+from rope_model.method.stepping import MIN_INTERVAL
 from rope_model.parameters import Scene
 from rope_model.physics.node import ANGLE, SIDES
 from rope_model.reference.ends import onwards, peak_acceleration, refusal, resting
@@ -30,7 +31,6 @@ from rope_model.reference.stepping import step_towards
 from rope_model.signals.signal_table import checked_names
 from rope_model.state import RopeState
 
-SHORTEST_ADVANCE = 1e-9  #: s, a shorter one succeeds without a step
 MAX_STEPS = 20_000  #: accepted steps of an advance
 CURE = "take the engine, balance_rope(scene)"
 
@@ -107,13 +107,13 @@ class ReferenceRope(BalanceRope):
         scene = self._scene
         before = self.state
         start = before.motion.t
-        if abs(t - start) < SHORTEST_ADVANCE:
+        if abs(t - start) < MIN_INTERVAL:
             return Status(True)
         if not (math.isfinite(t) and t > start):
             return Status(False, f"t = {t:g} s must be after {start:g} s: give the end of the step")
         age = 0.0 if given_at is None else t - given_at
         earliest = start - scene.inputs.hold_max
-        if not earliest <= t - age <= t + SHORTEST_ADVANCE:
+        if not earliest <= t - age <= t + MIN_INTERVAL:
             return Status(
                 False,
                 f"given_at = {t - age:g} s must be between {earliest:g} s and {t:g} s: "

@@ -23,6 +23,7 @@ class Factors:
 
     J: Array
     held: NDArray[np.bool_]
+    singular: bool = False
 
     def solve(self, force: Array) -> Array:
         return np.where(self.held, 0.0, np.linalg.solve(self.J, force.T).T)
@@ -103,7 +104,9 @@ class SpringPendulum(System):
     def start(self) -> Motion:
         q = np.array([[0.0, 0.0], [0.4, -1.3]])
         v = np.array([[0.0, 0.0], [0.5, 0.2]])
-        return restart(self, 0.0, q, v)  # type: ignore[arg-type]
+        motion = restart(self, 0.0, q, v)  # type: ignore[arg-type]
+        assert isinstance(motion, Motion)
+        return motion
 
 
 def integrate(
@@ -197,6 +200,7 @@ def test_a_restart_gives_accelerations_in_equilibrium_and_no_history() -> None:
     q = start.q + 0.05 * rng.normal(size=start.q.shape)
     v = rng.normal(size=start.q.shape)
     m = restart(system, 0.3, q, v)
+    assert isinstance(m, Motion)
     np.testing.assert_allclose(m.reaction[~system.held], 0.0, atol=1e-12)  # rounding of 50 N
     given = system.motion(0.3)
     for x, y in zip((m.q, m.v, m.a), given, strict=True):

@@ -36,7 +36,7 @@ from rope_model import (
     balance_rope,
 )
 from rope_model.arrays import Array
-from rope_model.physics.element import element_functions
+from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.physics.hermite import missing_load
 from rope_model.physics.node import ANGLE, arc_lengths
 from rope_model.reference import generalized_alpha, newton, statics, transformation
@@ -81,6 +81,7 @@ def moved(pattern: tuple[float, ...], steps: int) -> Motion:
     """The motion after 0.3 s, in steps whose lengths follow the pattern."""
     equations, q, v = soft_rope()
     motion = generalized_alpha.restart(equations, 0.0, q, v)
+    assert isinstance(motion, Motion)
     for k in range(steps):
         h = 0.3 / steps * pattern[k % len(pattern)]
         trial = generalized_alpha.step(equations, motion, h, rho_inf=0.6, tolerance=1e-11)
@@ -361,6 +362,62 @@ def test_winding_of_the_published_rope_has_the_engines_forces_and_loop() -> None
     rms = np.sqrt(np.mean((ours - theirs) ** 2, axis=0))
     assert (rms[:2] < 1e-3 * np.abs(theirs[:, :2]).max()).all()
     assert np.abs(ours - theirs)[:, 2].max() < 0.01
+
+
+@pytest.mark.parametrize("beside", [math.inf, -math.inf])
+def test_release_within_rounding_of_the_hosts_instant_is_that_at_the_instant(
+    beside: float,
+) -> None:
+    """A step of 1e-17 s has no motion but rounding, which over its square is a force of any size."""
+    runs = []
+    for release in (3 * H, math.nextafter(3 * H, beside)):
+        dry = replace(DRY, release_time=release)
+        scene = replace(FEW, left=dry, right=dry).scene(0.02).with_(solver=Solver(step_max=0.02))
+        rope = wound(balance_rope(scene, "reference"), winding, 3, step=H)
+        assert rope.time == 3 * H
+        assert rope.advance_to(4 * H, *winding(4 * H)).valid
+        runs.append(np.array([*rope.signals((*MEASURED, *EVENTS, "count.steps")).values()]))
+    assert_allclose(runs[1], runs[0], rtol=1e-9, atol=1e-9)
+
+
+def test_swivel_that_is_retuned_below_its_moment_slips_at_once_as_in_the_engine() -> None:
+    tight = Swivel(mode="coulomb", mu_static=0.5, mu_kinetic=0.4)
+    loose = replace(tight, mu_static=1e-5, mu_kinetic=5e-6)
+    scene = replace(FEW, left=tight).scene(0.02)
+    torques = {}
+    for form in ("native", "reference"):
+        rope = wound(balance_rope(scene, form), winding, 2, step=H)
+        rope.retune(scene.with_(left=loose))
+        assert rope.advance_to(3 * H, *winding(3 * H)).valid
+        values = rope.signals(["left.swivel.slipping", "left.swivel.torque", EVENTS[1]])
+        assert values["left.swivel.slipping"] == 1
+        assert values[EVENTS[1]] == 1
+        torques[form] = values["left.swivel.torque"]
+    # the law of friction: as exact as the tension, 805 N up to 3 mN
+    assert_allclose(torques["reference"], torques["native"], rtol=1e-4)
+
+
+def test_swivel_that_sticks_does_not_move() -> None:
+    scene = replace(FEW, left=Swivel(mode="coulomb", mu_static=0.5)).scene(0.02)
+    rope = hung(balance_rope(scene, "reference"), *winding(0.0))
+    for k in range(1, 4):
+        assert rope.advance_to(k * H, *winding(k * H)).valid
+        values = rope.signals(["left.swivel.rate", "left.swivel.angle"])
+        assert [*values.values()] == [0.0, 0.0]
+
+
+def test_restart_of_something_without_mass_fails_for_that_cause() -> None:
+    equations, q, v = soft_rope()
+    massless = equations.material.copy()
+    massless[PARAMETERS.index("rhoJ")] = 0.0
+    massless[PARAMETERS.index("rhoJ_x")] = 0.0
+    equations = replace(equations, material=massless)
+    failed = generalized_alpha.restart(equations, 0.0, q, v)
+    assert isinstance(failed, newton.Failure)
+    assert failed.cause is newton.Cause.SINGULAR
+    guess = newton.Guess(q, v, np.zeros_like(q))
+    found = newton.solve(equations, guess, (0.0, 0.0, 1.0), 1e-9, prestress=q)
+    assert found.cause is newton.Cause.SINGULAR
 
 
 # energy, states, failures, scope

@@ -102,7 +102,7 @@ class Phased:
         a = np.where(held, a, 0.0)
         # the residual is linear in the accelerations, also by its friction
         R, mass = self.equations.linearised(q, v, a, (0.0, 0.0, 1.0), prestress=q)
-        return q, v, a + mass.solve(np.where(held, 0.0, -R))
+        return q, v, a + mass.solve(-R)
 
     def rates(self, t: float, y: np.ndarray) -> np.ndarray:
         _, v, a = self.motion(t, y)
