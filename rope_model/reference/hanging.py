@@ -30,6 +30,7 @@ from rope_model.reference.equations import HEIGHT
 from rope_model.reference.generalized_alpha import Motion
 from rope_model.reference.mesh import Mesh, mesh_of
 from rope_model.reference.outputs import nearest_turn, yaw_of
+from rope_model.reference.passages import with_passages
 from rope_model.reference.state import State
 from rope_model.reference.statics import StaticsError, find_equilibrium, hanging_guess
 from rope_model.reference.swivel import Ends, slip
@@ -77,7 +78,7 @@ def hang(scene: Scene, t: float, paths: tuple[EndPath, EndPath]) -> State:
     equations = rest.ends.equations(mesh, rest.q)
     energies = with_energies(Energies(), equations, motion)
     yaw = line_yaw(left, right) - 0.5 * rest.turn
-    return State(
+    state = State(
         motion=motion,
         mesh=mesh,
         paths=paths,
@@ -89,6 +90,7 @@ def hang(scene: Scene, t: float, paths: tuple[EndPath, EndPath]) -> State:
         force_mean=(-float(rest.reaction[0, HEIGHT]), -float(rest.reaction[-1, HEIGHT])),
         energies=replace(energies, start=energies.total),
     )
+    return with_passages(state)
 
 
 def _rest(ends: Ends, mesh: Mesh, guess: Array, t: float, turn: float = 0.0) -> Rest:

@@ -6,7 +6,7 @@ A state never changes: a step makes a new one, and the old one serves a return.
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from enum import Enum
 from typing import NamedTuple, TypeAlias, get_args, get_origin, get_type_hints
 
@@ -23,6 +23,7 @@ from rope_model.reference.equations import Equations
 from rope_model.reference.generalized_alpha import Motion
 from rope_model.reference.mesh import Mesh
 from rope_model.reference.swivel import Ends
+from rope_model.state import Crossing
 
 
 @dataclass(frozen=True)
@@ -31,9 +32,8 @@ class Counts:
 
     steps: int = 0
     rejections: int = 0
-    newton: int = (
-        0  #: corrections of steps: accepted, rejected, and tried in the search for an event
-    )
+    #: corrections of steps: accepted, rejected, and tried in the search for an event
+    newton: int = 0
     transformations: int = 0
     swivel_events: int = 0
 
@@ -61,6 +61,8 @@ class State:
     energies: Energies
     counts: Counts = Counts()
     events: tuple[Event, ...] = ()  #: of the last advance
+    #: passages of the legs through each other
+    crossing: Crossing = field(default_factory=Crossing)
 
     @property
     def last_interval(self) -> float:
@@ -137,7 +139,7 @@ def _to_json(x: object) -> JsonValue:
         values: list[JsonValue] = x.tolist()
         return values
     if is_dataclass(x):
-        return {field.name: _to_json(getattr(x, field.name)) for field in fields(x)}
+        return {each.name: _to_json(getattr(x, each.name)) for each in fields(x)}
     if isinstance(x, tuple):
         return [_to_json(part) for part in x]
     if isinstance(x, Enum):

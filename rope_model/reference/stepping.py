@@ -43,6 +43,7 @@ from rope_model.reference.generalized_alpha import (
 )
 from rope_model.reference.newton import Cause, Failure
 from rope_model.reference.outputs import nearest_turn, yaw_of
+from rope_model.reference.passages import with_passages
 from rope_model.reference.state import Event, State
 from rope_model.reference.swivel import Ends, slip, stick
 from rope_model.reference.transformation import with_mesh_for
@@ -106,6 +107,7 @@ def step_towards(scene: Scene, state: State, t_end: float) -> State | Failure:
     )
     after = after.with_angles(equations).counted(steps=1)
     after = replace(after, loop_yaw=nearest_turn(yaw_of(after.motion.q), after.loop_yaw))
+    after = with_passages(after)
     if accepted.switches:
         switched = _switched(scene, after)
         if isinstance(switched, Failure):

@@ -20,6 +20,7 @@ from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
 from rope_model import (
     Air,
+    BalanceRope,
     Conveyance,
     EndMotion,
     Guard,
@@ -43,12 +44,15 @@ from rope_model.reference import generalized_alpha, newton, statics, transformat
 from rope_model.reference.elements import GROUP, over_elements
 from rope_model.reference.equations import Equations
 from rope_model.reference.generalized_alpha import Motion
-from rope_model.reference.outputs import NAMES
+from rope_model.reference.outputs import NAMES, lowest_point
+from rope_model.reference.passages import loop_turns
+from rope_model.reference.result_warnings import COMPUTED, IMPOSSIBLE, NOT_COMPUTED
 from rope_model.reference.rope import ReferenceRope
 from rope_model.reference.scope import NO_BODIES, PUBLISHED
 from rope_model.reference.transfer import transferred
 from rope_model.scene_names import named_parameters
 from rope_model.signals.signal_table import SIGNALS
+from rope_model.warnings.result_warnings import WARNINGS
 
 GRAVITY = 9.81
 #: m, a step of the host in the scenes below
@@ -576,6 +580,35 @@ def test_calls_and_motions_of_other_ropes_are_refused() -> None:
     assert "right.y = nan" in rope.advance_to(0.02, REST, EndMotion(y=math.nan)).message
 
 
+@pytest.mark.parametrize(("twist", "warned"), [(20.0, "passed_sides"), (3.0, "yaw_at_rest")])
+def test_warnings_that_the_reference_computes_are_the_engines(twist: float, warned: str) -> None:
+    rope = Rope(length=30.0, installed_twist=twist)
+    scene = Scene(rope=rope, mesh=Mesh("eem", elements=30), model=Model("torsional"))
+    ours, theirs = (hung(balance_rope(scene, form)) for form in ("reference", "native"))
+    expected = theirs.warnings()
+    assert warned in expected
+    assert ours.warnings() == {name: expected[name] for name in COMPUTED if name in expected}
+    # the turns of which a jump is a passage
+    assert isinstance(ours, ReferenceRope)
+    q = ours.state.motion.q
+    s = ours.state.mesh.nodes_s
+    over_height = loop_turns(q, s, lowest_point(q, s)).number
+    crossings = theirs.signals(["loop.crossings", "loop.turns", "loop.yaw"])
+    yaw = crossings["loop.yaw"]
+    assert ours.state.crossing.number == crossings["loop.crossings"]
+    net = yaw / (2 * math.pi) - crossings["loop.turns"]
+    assert ours.state.crossing.net == pytest.approx(net, abs=1e-9)
+    # the yaw of the lowest point is that of a parabola in the engine
+    assert over_height == pytest.approx(crossings["loop.turns"], abs=1e-3)
+
+
+def test_every_warning_is_computed_or_impossible_or_said_to_be_not_computed() -> None:
+    assert sorted((*COMPUTED, *IMPOSSIBLE, *NOT_COMPUTED)) == sorted(WARNINGS)
+    told = BalanceRope.warnings.__doc__
+    assert told is not None
+    assert [name for name in NOT_COMPUTED if name not in told] == []
+
+
 def test_outputs_are_those_of_the_signal_table() -> None:
     rope = hung(balance_rope(FEW.scene(0.02), "reference"))
     values = rope.signals()
@@ -605,6 +638,7 @@ def test_reference_shares_tables_and_rules_with_the_engine_and_no_control_flow()
         "signals",
         "solver_parameters",
         "state",
+        "warnings",
     )
     assert {name for name in modules if name.split(".")[1] not in allowed} == set()
 
