@@ -68,7 +68,7 @@ class Equations:
     frame: Array  #: reference of the sections' frame (21, elements): see ``with_reference``
     held: Mask  #: true where a degree of freedom is held (nodes, 7)
     #: time -> q, v, a (3, nodes, 7), of which the held entries count
-    motion: Callable[[float], Array]
+    held_motion: Callable[[float], Array]
     load: Array  #: dead loads at the nodes (nodes, 7), N, N m and N m
     inertia: Array  #: additional inertia of the nodes (nodes, 7), kg, kg m^2 and kg m^2
     friction: Array  #: moment on theta per newton of the node's vertical reaction (nodes,), m
@@ -81,7 +81,7 @@ class Equations:
             material=np.array(parameters(rope, gravity)),
             frame=frame_at(q, lengths),
             held=held,
-            motion=at_rest(q),
+            held_motion=at_rest(q),
             load=np.zeros_like(q),
             inertia=np.zeros_like(q),
             friction=np.zeros(len(q)),
@@ -93,7 +93,7 @@ class Equations:
 
     def held_at(self, q: Array) -> Equations:
         """Return the equations of a rope whose held degrees of freedom rest where ``q`` is."""
-        return replace(self, motion=at_rest(q))
+        return replace(self, held_motion=at_rest(q))
 
     # forces
 

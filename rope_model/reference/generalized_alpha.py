@@ -102,7 +102,7 @@ def step(
     b = auxiliary(a)
     q = old.q + h * old.v + h * h * ((0.5 - beta) * b_old + beta * b)
     v = old.v + h * ((1 - gamma) * b_old + gamma * b)
-    held_q, held_v, held_a = equations.motion(old.t + h)
+    held_q, held_v, held_a = equations.held_motion(old.t + h)
     q = np.where(equations.held, held_q, q)
     v = np.where(equations.held, held_v, v)
     a = np.where(equations.held, held_a, a)
@@ -125,7 +125,7 @@ def restart(equations: Equations, t: float, q: Array, v: Array) -> Motion | Fail
     The residual is linear in the accelerations: one correction finds them.  It fails if something
     that is free has no mass.
     """
-    held_q, held_v, held_a = equations.motion(t)
+    held_q, held_v, held_a = equations.held_motion(t)
     q = np.where(equations.held, held_q, q)
     v = np.where(equations.held, held_v, v)
     a = np.where(equations.held, held_a, 0.0)

@@ -52,7 +52,7 @@ def rod(
         material=material,
         frame=frame_at(reference, lengths),
         held=held,
-        motion=at_rest(values),
+        held_motion=at_rest(values),
         load=load,
         inertia=np.zeros_like(values),
         friction=np.zeros(len(values)),

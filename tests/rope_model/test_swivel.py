@@ -96,7 +96,7 @@ class Phased:
 
     def motion(self, t: float, y: np.ndarray) -> tuple[np.ndarray, ...]:
         held = self.equations.held
-        q, v, a = self.equations.motion(t)
+        q, v, a = self.equations.held_motion(t)
         q = np.where(held, q, y[: q.size].reshape(self.shape))
         v = np.where(held, v, y[q.size :].reshape(self.shape))
         a = np.where(held, a, 0.0)
