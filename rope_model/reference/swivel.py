@@ -24,6 +24,7 @@ from rope_model.arrays import Array
 from rope_model.boundary.end_conditions import YAW_SENSE
 from rope_model.method.swivel_phases import Phase, SwivelState, moment_of_swivel, swivel_excess
 from rope_model.parameters import Scene, Swivel
+from rope_model.physics import element
 from rope_model.physics.element import NODE_DOF, parameters
 from rope_model.physics.node import ANGLE, END_NODE, POSITION
 from rope_model.physics.swivel import friction_moment
@@ -63,10 +64,12 @@ class Ends:
                 friction[node] = -sign * friction_moment(
                     swivel.mu_kinetic, swivel.mean_diameter, 0.0, 1.0
                 )
+        law = element.element_functions()  # another one here is a trial in the reference alone
         return Equations(
+            law=law,
             lengths=mesh.lengths,
             material=np.array(parameters(self.scene.rope, self.scene.layout.gravity)),
-            frame=frame_at(q, mesh.lengths),
+            frame=frame_at(q, mesh.lengths, law),
             held=held,
             held_motion=lambda t: self.end_motion(t, len(q)),
             load=load,

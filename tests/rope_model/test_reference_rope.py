@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -128,6 +129,22 @@ def test_rope_that_hangs_between_held_ends_has_the_uniform_torque_of_the_theory(
     twist = rope.Qc / rope.Qa * weight / 2 / (rope.Qd - rope.Qb * rope.Qc / rope.Qa)
     # e is linear along the rope: theta at the nodes is exact but for squares of the strain
     assert_allclose(rest.q[:, ANGLE], -twist * s * (rope.length - s), atol=1e-3 * twist * 900)
+
+
+def test_another_law_of_the_equations_is_a_trial_in_the_reference_alone() -> None:
+    equations, q, _ = soft_rope()
+    q = q.copy()
+    q[:, 0] *= 1.1
+    q[:, 3] *= 1.1
+    published = equations.law
+    arguments = [published.residual.sx_in(k) for k in range(published.residual.n_in())]
+    doubled = replace(
+        published, residual=ca.Function("doubled", arguments, [2 * published.residual(*arguments)])
+    )
+    zeros = np.zeros_like(q)
+    trial = replace(equations, law=doubled).residual(q, zeros, zeros)
+    assert_allclose(trial, 2 * equations.residual(q, zeros, zeros), rtol=1e-12)
+    assert element_functions() is published
 
 
 def test_tangent_is_the_derivative_of_the_residual_at_rest() -> None:
