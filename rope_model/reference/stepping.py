@@ -142,8 +142,9 @@ def _accepted(
         state = state.counted(newton=trial.corrections)
         error = _error(scene, state, equations, trial)
         good = trial.motion is not None and error <= ACCEPT_BELOW * solver.tolerance
-        switches = good and trial.motion is not None and _excess(ends, trial.motion) >= 0
-        if switches:
+        switches = False
+        if good and trial.motion is not None and _excess(ends, trial.motion) >= 0:
+            switches = True
             trial = _trial_to_event(scene, equations, ends, old, trial.motion)
             state = state.counted(newton=trial.corrections)
         if good and trial.motion is not None:
