@@ -21,7 +21,7 @@ from rope_model.method.swivel_phases import (
     swivel_friction,
 )
 from rope_model.parameters import Scene
-from rope_model.physics.centreline import line_yaw
+from rope_model.physics.centreline import line_yaw, nearest_turn
 from rope_model.physics.inextensible import left_leg_length
 from rope_model.physics.node import ANGLE, END_NODE, POSITION
 from rope_model.reference.ends import EndPath
@@ -29,7 +29,7 @@ from rope_model.reference.energies import Energies, with_energies
 from rope_model.reference.equations import HEIGHT
 from rope_model.reference.generalized_alpha import Motion
 from rope_model.reference.mesh import Mesh, mesh_of
-from rope_model.reference.outputs import nearest_turn, yaw_of
+from rope_model.reference.outputs import yaw_of
 from rope_model.reference.passages import with_passages
 from rope_model.reference.state import State
 from rope_model.reference.statics import StaticsError, find_equilibrium, hanging_guess
@@ -84,7 +84,7 @@ def hang(scene: Scene, t: float, paths: tuple[EndPath, EndPath]) -> State:
         paths=paths,
         swivels=rest.ends.swivels,
         offsets=rest.ends.offsets,
-        loop_yaw=nearest_turn(yaw_of(rest.q), yaw),
+        loop_yaw=float(nearest_turn(yaw_of(rest.q), yaw)),
         step_next=scene.solver.step_max,
         calm_since=t,
         force_mean=(-float(rest.reaction[0, HEIGHT]), -float(rest.reaction[-1, HEIGHT])),

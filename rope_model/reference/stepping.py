@@ -30,6 +30,7 @@ from rope_model.method.swivel_phases import (
     released_at,
 )
 from rope_model.parameters import Scene
+from rope_model.physics.centreline import nearest_turn
 from rope_model.physics.node import ANGLE, END_NODE, SIDES
 from rope_model.reference.energies import after_step
 from rope_model.reference.equations import HEIGHT, STRETCH, Equations
@@ -42,7 +43,7 @@ from rope_model.reference.generalized_alpha import (
     step,
 )
 from rope_model.reference.newton import Cause, Failure
-from rope_model.reference.outputs import nearest_turn, yaw_of
+from rope_model.reference.outputs import yaw_of
 from rope_model.reference.passages import with_passages
 from rope_model.reference.state import Event, State
 from rope_model.reference.swivel import Ends, slip, stick
@@ -106,7 +107,8 @@ def step_towards(scene: Scene, state: State, t_end: float) -> State | Failure:
         calm_since=float(following.calm_since),
     )
     after = after.with_angles(equations).counted(steps=1)
-    after = replace(after, loop_yaw=nearest_turn(yaw_of(after.motion.q), after.loop_yaw))
+    loop_yaw = float(nearest_turn(yaw_of(after.motion.q), after.loop_yaw))
+    after = replace(after, loop_yaw=loop_yaw)
     after = with_passages(after)
     if accepted.switches:
         switched = _switched(scene, after)
