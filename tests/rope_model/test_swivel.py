@@ -21,10 +21,11 @@ from rope_model import (
     Swivel,
     balance_rope,
 )
+from rope_model.boundary.end_conditions import YAW_SENSE
 from rope_model.method.statics import lacks_symmetry
 from rope_model.method.swivel_phases import Phase, SwivelState, swivel_excess
 from rope_model.physics.swivel import friction_moment
-from rope_model.reference.ends import SENSE, EndPath, onwards
+from rope_model.reference.ends import EndPath, onwards
 from rope_model.reference.rope import ReferenceRope
 from rope_model.reference.swivel import Ends as ReferenceEnds
 from rope_model.state import Event
@@ -113,7 +114,7 @@ class Phased:
         q, v, a = self.motion(t, y)
         state = self.ends.swivels[side]
         if state.phase is Phase.SLIP:
-            yaw_rate = self.ends.paths[side].at(t)[1, 3] * SENSE[side]
+            yaw_rate = self.ends.paths[side].at(t)[1, 3] * YAW_SENSE[side]
             rate = float(state.sign * (v[-side, 6] - yaw_rate))
             # just after release the rate is zero: look a little later
             if t < self.since + 1e-4:
@@ -129,7 +130,7 @@ class Phased:
         if state.phase is Phase.STICK:
             moment = self.equations.residual(q, v, a)[-side, 6]
             return state._replace(phase=Phase.SLIP, sign=-np.sign(moment))
-        yaw = SENSE[side] * self.ends.paths[side].at(t)[0, 3]
+        yaw = YAW_SENSE[side] * self.ends.paths[side].at(t)[0, 3]
         return SwivelState(Phase.STICK, float(q[-side, 6] - self.ends.offsets[side] - yaw), 0.0)
 
 
