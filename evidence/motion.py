@@ -40,9 +40,8 @@ FITTED = 5  #: runs
 JUDGED = 10  #: runs
 LEAD = 30  #: frames
 START = 10  #: frames
-FOUND = (
-    1e-4  #: part of the squares that a further step must save: many curvatures lie in a long valley
-)
+#: part of the squares that a further step must save: many curvatures lie in a long valley
+FOUND = 1e-4
 HARDEST = 50.0  #: m/s^2, beyond the grippers
 SPRING = 20.0  #: 1/s, of a marker's share of the mass on its spring, critically damped: slow against a frame
 

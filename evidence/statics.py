@@ -61,16 +61,14 @@ def matrix(equations: Equations, q: Array, c: tuple[float, float, float]) -> sp.
     at = equations.with_reference(q)
     still = of_elements(np.zeros_like(q))
     nodes = of_elements(q)
-    element = elements.element_functions()
-    J = element.tangent(nodes, still, still, at.lengths[None, :], at.frame, at.material, *c, nodes)[
-        1
-    ]
+    parts = (nodes, still, still, at.lengths[None, :], at.frame, at.material)
+    _, J = at.law.tangent(*parts, *c, nodes)
     of_chain = chain_matrices.of_elements(J.full(), at.lengths.size)
     return (of_chain + sp.diags(c[2] * at.inertia.ravel())).tocsc()
 
 
 @contextmanager
 def with_element(functions: ElementFunctions) -> Iterator[None]:
-    """Give the reference rope another element inside: its equations call these ``functions``."""
+    """Give reference ropes inside another element: their equations take these ``functions``."""
     with patch.object(elements, "element_functions", lambda: functions):
         yield

@@ -202,7 +202,13 @@ class BalanceRope(ABC):
 
     @abstractmethod
     def warnings(self) -> dict[str, str]:
-        """Return warnings about a valid state: sentences by subject."""
+        """Return warnings about a valid state: sentences by subject.
+
+        The native rope computes all.  The reference rope computes passed_sides, yaw_at_rest,
+        unresolved_bend for too coarse a mesh, and of leg_contact a loop that is turned over.  It
+        says nothing of touching legs (leg_contact), other_rests, missing_loads, unresolved_waves and
+        unfit_inputs.
+        """
 
     def save(self) -> bytes:
         """Return the complete state, for ``restore`` of a rope of this form, also in another process.

@@ -14,9 +14,10 @@ from functools import cache
 import numpy as np
 from scipy.optimize import brentq
 
-from evidence.statics import OUT_OF_PLANE, held, rod, with_element
+from evidence.statics import OUT_OF_PLANE, held, rod
 from evidence.tables import Array
 from rope_model.boundary.bodies import FLOOR
+from rope_model.method.generalized_alpha import Motion
 from rope_model.parameters import Rope
 from rope_model.physics import shaft
 from rope_model.physics.contact_element import CONTACT_BALANCE, LAW
@@ -59,8 +60,7 @@ def rebound(speed: float, damping: float, stiffness: float, h: float) -> Rebound
     flying = rod(rope, 0.0, q, held(q, OUT_OF_PLANE))
     v = np.zeros_like(q)
     v[:, 1] = -speed
-    with with_element(_element()):
-        return _impact(_above_floor(flying, rope, contact), q, v, h)
+    return _impact(_above_floor(flying, rope, contact), q, v, h)
 
 
 def _above_floor(equations: Equations, rope: Rope, contact: Contact) -> Equations:
@@ -73,6 +73,7 @@ def _above_floor(equations: Equations, rope: Rope, contact: Contact) -> Equation
     near = np.ones((1, equations.lengths.size))
     return replace(
         equations,
+        law=_element(),
         material=np.append(equations.material, numbers),
         frame=np.vstack((equations.frame, near)),
     )
@@ -81,6 +82,7 @@ def _above_floor(equations: Equations, rope: Rope, contact: Contact) -> Equation
 def _impact(equations: Equations, q: Array, v: Array, h: float) -> Rebound:
     """Return what becomes of the rope ``q`` that falls with ``v``, as soon as it has left the floor."""
     motion = restart(equations, 0.0, q, v)
+    assert isinstance(motion, Motion)
     before = _balance(equations, q, v)["kinetic"]
     dissipated = 0.0
     depth = 0.0

@@ -165,9 +165,8 @@ class PeerRope:
         time_integration.newton.relativeTolerance = method.tolerance
         time_integration.newton.useModifiedNewton = method.newton == "modified"
         time_integration.generalizedAlpha.spectralRadius = method.spectral_radius
-        time_integration.generalizedAlpha.computeInitialAccelerations = (
-            False  # a run starts from rest
-        )
+        # a run starts from rest
+        time_integration.generalizedAlpha.computeInitialAccelerations = False
         settings.solution.sensors.active = True
         settings.solution.sensors.writePeriod = sample
         self._samples.clear()

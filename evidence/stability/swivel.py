@@ -13,6 +13,7 @@ from evidence.ropes import AT_ZERO, at_rest, require, smooth_step
 from evidence.stability.entry import Entry, Finding, points
 from evidence.tables import Array
 from rope_model import BalanceRope, EndMotion
+from rope_model.method.generalized_alpha import Motion
 from rope_model.method.swivel_phases import Phase, SwivelState, kinetic_friction
 from rope_model.parameters import Rope, Scene, Swivel
 from rope_model.reference.ends import onwards
@@ -67,7 +68,9 @@ def explicit_sign(scene: Scene) -> Array:
         equations = state.equations(scene)
         motion = state.motion
         if k == 1:
-            motion = restart(equations, motion.t, motion.q, motion.v)
+            restarted = restart(equations, motion.t, motion.q, motion.v)
+            assert isinstance(restarted, Motion)
+            motion = restarted
         tried = step(
             equations, motion, k * H - motion.t, scene.solver.rho_inf, scene.solver.newton_tolerance
         )

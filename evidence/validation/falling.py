@@ -9,6 +9,7 @@ from scipy.integrate import quad
 
 from evidence.statics import OUT_OF_PLANE, held, rod
 from evidence.tables import Array
+from rope_model.method.generalized_alpha import Motion
 from rope_model.parameters import Layout, Rope
 from rope_model.physics.node import POSITION
 from rope_model.reference.equations import Equations
@@ -60,6 +61,7 @@ def fall(EI: float, elements: int, largest: float, tolerance: float) -> Fall:
     """The tip's fall by generalized-alpha; a step that fails or errs by more than ``tolerance`` (m) is halved."""
     equations, q = fold(EI, elements)
     motion = restart(equations, 0.0, q, np.zeros_like(q))
+    assert isinstance(motion, Motion)
     start = potential(equations.balance(q, motion.v))
     h = largest
     dissipated = 0.0

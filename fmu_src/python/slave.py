@@ -28,6 +28,7 @@ from rope_model.interface import Status
 from rope_model.messages.rules import first_text
 from rope_model.parameters import Scene
 from rope_model.reference.outputs import group_of
+from rope_model.reference.result_warnings import COMPUTED, warning_of
 from rope_model.reference.rope import ReferenceRope
 from rope_model.reference.state import State
 from rope_model.scene_names import Value, with_values
@@ -65,8 +66,8 @@ def _report_failure(
 class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     """Published system of the balance rope for co-simulation."""
 
-    #: number of warnings: inputs that are extrapolated too far
-    warnings = 1
+    #: number of warnings: those of the rope, and inputs that are extrapolated too far
+    warnings = len(COMPUTED) + 1
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
@@ -159,7 +160,8 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         """Return an output that is a text."""
         name = self._table[scalar].name.removeprefix("status.")
         if name == "warning":
-            text = self.warning(0)
+            texts = (self.warning(k) for k in range(self.warnings))
+            text = "\n".join(x for x in texts if x)
         else:
             text = str(getattr(self._rope, name))
         self._texts[scalar] = text
@@ -172,10 +174,12 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
 
     def warning(self, number: int) -> str:
         """Return the warning ``number``, or '' if it does not apply now."""
-        assert number == 0
+        rope = self._rope
+        if number < len(COMPUTED):
+            return warning_of(COMPUTED[number], rope.scene, rope.state)
         if self._at_step_end():
             return ""
-        return first_text(LONG_EXTRAPOLATION, self._rope.scene, self._rope.state)
+        return first_text(LONG_EXTRAPOLATION, rope.scene, rope.state)
 
     # states
 

@@ -52,9 +52,8 @@ class Checkpoint:
     data: str  # data that a resumed run must share: see Host.shared_data
     cause: str  # reason why the run stopped
     hoist: str = ""  # name or file of the hoist, if known
-    emergency_at: float | None = (
-        None  # s after the start: emergency stop, by plan or safety circuit
-    )
+    # s after the start: emergency stop, by plan or safety circuit
+    emergency_at: float | None = None
 
     def write(self, path: Path) -> None:
         """Write the file; ValueError, and no file, when the controller's state is no plain data."""

@@ -31,9 +31,8 @@ _IPOPT: dict[str, Any] = {
     "tol": 1e-5,
     "hessian_approximation": "limited-memory",
 }
-_SMOOTHNESS = (
-    1e-2  # s, price of a jerk that jumps by j_max at every interval's end, over all of them
-)
+# s, price of a jerk that jumps by j_max at every interval's end, over all of them
+_SMOOTHNESS = 1e-2
 
 
 def optimise(

@@ -40,13 +40,11 @@ from rope_model.files import whole_file, write_text
 SLOWEST = 0.02  #: Hz, lower end of the band in which errors are measured.
 BEYOND = 5.0  #: Modes up to so many times the band's upper end are looked at.
 ALPHA = 2 * np.pi * SLOWEST  #: 1/s.
-MAX_DECIBELS = (
-    0.5  #: Error of a channel's gain up to which a small model stands for the sparse one: 6 %.
-)
+#: Error of a channel's gain up to which a small model stands for the sparse one: 6 %.
+MAX_DECIBELS = 0.5
 MAX_DEGREES = 5.0  #: Error of a channel's phase likewise.
-MIN_STATES = (
-    8  #: States beside those of lags and moved ends from which a sufficient number is looked for.
-)
+#: States beside those of lags and moved ends from which a sufficient number is looked for.
+MIN_STATES = 8
 MAX_STATES = 41  #: States up to which it is looked for.
 _log = logging.getLogger(__name__)
 _FIT = 1e-2  #: Price of a change of C and D by the fit, over that of an error.
@@ -54,12 +52,10 @@ _SHIFT = 0.3  #: Re s / 2 pi of the basis [Hz].
 _FIRST_SHIFT = 0.5  #: Im s of the first shift, over the band.
 _SHIFT_STEP = 0.447  #: Im s from one shift to the next, over the band.
 _SHIFT_WRAP = 1.2  #: Im s at which the shifts begin again, over the band.
-_RANK_TOLERANCE = (
-    1e-3  #: Least kinetic energy of a motion that is new to a basis, over all that are new.
-)
-_RELATIVE_RANK_TOLERANCE = (
-    1e-12  #: Least kinetic energy of the new motions, over that of what they come from.
-)
+#: Least kinetic energy of a motion that is new to a basis, over all that are new.
+_RANK_TOLERANCE = 1e-3
+#: Least kinetic energy of the new motions, over that of what they come from.
+_RELATIVE_RANK_TOLERANCE = 1e-12
 _NEGLIGIBLE = 1e-9  #: Of a channel's largest gain: less is no response.
 
 

@@ -40,9 +40,8 @@ LIMIT = 0.25
 _FAST = 2.0**40
 #: Names of the C functions behind "drive_".
 KERNELS = ("rates", "outputs", "control", "rest", "moment", "point")
-MAX_MODES = (
-    4  #: Head rope modes of a side up to which the installed package has the drive compiled.
-)
+#: Head rope modes of a side up to which the installed package has the drive compiled.
+MAX_MODES = 4
 
 
 def complete(hoist: Hoist) -> Hoist:

@@ -47,8 +47,8 @@ def element_data(rope: NativeRope) -> ElementData:
     air = np.zeros(0)
     if air_acts(scene.shaft.air, scene.rope.diameter):
         features.append(AIR)
-        numbers = air_coefficients(scene.shaft.air, scene.rope.diameter, scene.layout.spacing)
-        air = np.array([numbers.factor, *numbers.velocity, *numbers[2:]])
+        law = air_coefficients(scene.shaft.air, scene.rope.diameter, scene.layout.spacing)
+        air = np.array(law.numbers())
         assert air.size == COEFFICIENTS_SIZE
     return ElementData(
         tuple(features),

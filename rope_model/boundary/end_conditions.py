@@ -15,7 +15,8 @@ from rope_model.physics.elementary import (
     where,
 )
 
-YAW_SENSE = (-1.0, 1.0)  #: sense of the conveyance's yaw in theta, left and right
+#: sense of the conveyance's yaw in theta, left and right, as of the tangent in Y
+YAW_SENSE = (-1.0, 1.0)
 MIN_LEAN_SQUARE = 1e-24  #: rad^2, squared lean below which C and S take their limits
 SMALL_LEAN = 1e-5  #: rad^2, squared lean below which D and E take their limits
 

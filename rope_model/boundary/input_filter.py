@@ -151,10 +151,7 @@ class InputFilter(NamedTuple):
     position_jumps: Four = (NOT_ESTIMATED,) * 4
     speed_jumps: Four = (NOT_ESTIMATED,) * 4  # m/s (yaw: rad/s), the same of its speed
     # rad/s, mean rates of the leans between the latest two samples
-    lean_rates: tuple[float, float] = (
-        0.0,
-        0.0,
-    )
+    lean_rates: tuple[float, float] = (0.0, 0.0)
 
     @staticmethod
     def at_rest(t: float, motion: EndMotion) -> InputFilter:

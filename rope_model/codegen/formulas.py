@@ -288,6 +288,7 @@ _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("", mesh_fit, "FADE_ERROR MESH_SHARE DUE"),
     ("", mesh_pattern, "DUE_EARLY WINDOW WINDOW_PARTS WINDOW_DUE"),
     ("", end_paths, "RESTS_BELOW"),
+    ("", end_conditions, "YAW_SENSE"),
     ("", stepping, "SETTLING_TIME DIFFERENCE"),
     ("", rope_contact, "MIN_ARC MAX_STRANDS CORRECTIONS"),
     ("", bodies, "RESOLUTION TURNED_FAR MONITOR_INTERVAL"),

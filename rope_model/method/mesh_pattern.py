@@ -98,7 +98,8 @@ def transformation_due(pattern: Pattern, bottom_s: Scalar, slack: Scalar = 0.0) 
 #: 20 m/s with l = 1.6 m
 MAX_OVERSHOOT = 0.25
 #: lengths (l) of elements of I or VII, each at a multiple of its length from the end of the rope,
-#: so that its neighbours stay when it changes (spare ones are halved, see _legs)
+#: so that its neighbours stay when it changes; csrc/mesh/partition.c halves them where elements are
+#: to spare
 LEG_LENGTHS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 GRADING = 2  #: least distance of an element of m l from segments II to VI over (m - 1) l
 NO_DIVIDERS = (math.inf,) * 8  #: positions of dividers on a rope that none may press

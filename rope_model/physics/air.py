@@ -57,6 +57,13 @@ class AirCoefficients(NamedTuple):
     cross_y: float  # height of the middle of the gallery
     cross_height: float  # height of the gallery's mouth
 
+    def numbers(self) -> list[Scalar]:
+        """Return the coefficients in order, the velocity as three numbers: the beginning of A."""
+        numbers: list[Scalar] = []
+        for value in self:
+            numbers += value if isinstance(value, tuple) else (value,)
+        return numbers
+
 
 class Passing(NamedTuple):
     """Position (m) and upward speed (m/s) of the underside of a conveyance, where its rope ends."""

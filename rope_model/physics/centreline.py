@@ -1,7 +1,6 @@
 """Geometry of the rope's centre line: samples, distances from points and planes, bounding boxes, angles.
 
-Works on numbers, numpy arrays and CasADi expressions; vectors have their components first.  An
-angle is unwrapped by nearest_turn of simulation.mesh.adaptation.
+Works on numbers, numpy arrays and CasADi expressions; vectors have their components first.
 """
 
 import math

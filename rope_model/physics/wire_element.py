@@ -35,9 +35,8 @@ from rope_model.physics.wire_friction import (
 
 #: number of entries of an element: state of its points, k0 and C
 HISTORY_SIZE = POINT_STATE_SIZE * len(element.POINTS) + 2
-_POINT_TANGENT_SIZE = (
-    12  #: number of entries of a point's latest tangent: k, z and the upper half of dz/dk
-)
+#: number of entries of a point's latest tangent: k, z and the upper half of dz/dk
+_POINT_TANGENT_SIZE = 12
 #: number of entries of an element's latest tangents
 TANGENT_SIZE = _POINT_TANGENT_SIZE * len(element.POINTS)
 

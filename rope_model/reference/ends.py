@@ -14,7 +14,6 @@ from rope_model.arrays import Array
 from rope_model.boundary.end_paths import MOTION_BOUNDS, PATH, EndMotion
 
 YAW = PATH.index("yaw")  #: column of an end's yaw
-SENSE = (-1.0, 1.0)  #: of a rotation about Y in theta at each end, as of the tangent in Y
 #: values and first and second derivatives of the powers 0 to 5 of u at 0 and at 1 (6, 6), inverted
 _TO_POWERS = np.linalg.inv(
     np.array(

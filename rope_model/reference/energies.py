@@ -8,11 +8,12 @@ E_mesh the change by transformations. Numerical damping makes the residual negat
 
 from dataclasses import dataclass, replace
 
+from rope_model.boundary.end_conditions import YAW_SENSE
 from rope_model.method.generalized_alpha import Motion
 from rope_model.method.swivel_phases import Phase
 from rope_model.physics.energy_balance import Powers
 from rope_model.physics.node import END_NODE, POSITION
-from rope_model.reference.ends import SENSE, YAW
+from rope_model.reference.ends import YAW
 from rope_model.reference.equations import Equations
 from rope_model.reference.swivel import Ends
 
@@ -82,7 +83,7 @@ def powers(ends: Ends, motion: Motion) -> Powers:
     for side, node in enumerate(END_NODE):
         force = motion.reaction[node, POSITION]
         moment = ends.moment(side, motion)
-        yaw_rate = SENSE[side] * ends.paths[side].at(motion.t)[1, YAW]
+        yaw_rate = YAW_SENSE[side] * ends.paths[side].at(motion.t)[1, YAW]
         at_ends += float(force @ motion.v[node, POSITION]) + moment * yaw_rate
         if ends.swivels[side].phase is Phase.SLIP:
             at_swivels -= moment * ends.relative(side, motion)[1]

@@ -24,7 +24,7 @@ from scipy.linalg.lapack import dgbtrf, dgbtrs
 from rope_model.arrays import Array
 from rope_model.parameters import Rope
 from rope_model.physics import element
-from rope_model.physics.element import BALANCE, NODE_DOF, parameters
+from rope_model.physics.element import BALANCE, NODE_DOF, ElementFunctions, parameters
 from rope_model.physics.node import ANGLE, SLOPE
 from rope_model.physics.swivel import pressing_tension
 from rope_model.reference.elements import over_elements
@@ -38,32 +38,38 @@ ELEMENT_DOF = 2 * NODE_DOF
 BAND = ELEMENT_DOF - 1  #: diagonals of the tangent on either side of the main one
 DIAGONAL = 2 * BAND  #: row of the main diagonal in a band: above are BAND rows for exchanges
 BAND_ROWS = 3 * BAND + 1
-# element.element_functions() is called where it is needed: whoever replaces it changes the law
 
 
 @dataclass(frozen=True)
 class Factors:
-    """Tangent J as a product of triangular matrices."""
+    """Tangent J of what is free as a product of triangular matrices."""
 
     lu: Array
     pivots: NDArray[np.int32]
+    held: Mask  #: true where a degree of freedom is held (nodes, 7)
+    singular: bool  #: true if J has no inverse: there is nothing to solve
 
     def solve(self, force: Array) -> Array:
-        """Return x (nodes, 7) with J x = ``force`` (nodes, 7)."""
-        x, _ = dgbtrs(self.lu, BAND, BAND, force.ravel(), self.pivots)
-        return np.asarray(x).reshape(force.shape)
+        """Return x (nodes, 7) with J x = ``force`` (nodes, 7) where free, and 0 where held.
+
+        LAPACK exchanges rows: its own x where held is 0 up to rounding.
+        """
+        load = np.where(self.held, 0.0, force)
+        x, _ = dgbtrs(self.lu, BAND, BAND, load.ravel(), self.pivots)
+        return np.where(self.held, 0.0, np.asarray(x).reshape(force.shape))
 
 
 @dataclass(frozen=True)
 class Equations:
     """Equations of motion on a mesh, with any degrees of freedom held and loads at the nodes."""
 
+    law: ElementFunctions  #: functions of the element: the published ones, or others for a trial
     lengths: Array  #: reference lengths of the elements (elements,), m
     material: Array  #: element.ElementParameters (13,)
     frame: Array  #: reference of the sections' frame (21, elements): see ``with_reference``
     held: Mask  #: true where a degree of freedom is held (nodes, 7)
     #: time -> q, v, a (3, nodes, 7), of which the held entries count
-    motion: Callable[[float], Array]
+    held_motion: Callable[[float], Array]
     load: Array  #: dead loads at the nodes (nodes, 7), N, N m and N m
     inertia: Array  #: additional inertia of the nodes (nodes, 7), kg, kg m^2 and kg m^2
     friction: Array  #: moment on theta per newton of the node's vertical reaction (nodes,), m
@@ -71,12 +77,14 @@ class Equations:
     @staticmethod
     def of(rope: Rope, gravity: float, lengths: Array, q: Array, held: Mask) -> Equations:
         """Return the equations of a ``rope`` of which ``held`` stays where ``q`` is."""
+        law = element.element_functions()
         return Equations(
+            law=law,
             lengths=lengths,
             material=np.array(parameters(rope, gravity)),
-            frame=frame_at(q, lengths),
+            frame=frame_at(q, lengths, law),
             held=held,
-            motion=at_rest(q),
+            held_motion=at_rest(q),
             load=np.zeros_like(q),
             inertia=np.zeros_like(q),
             friction=np.zeros(len(q)),
@@ -84,18 +92,18 @@ class Equations:
 
     def with_reference(self, q: Array) -> Equations:
         """Return the equations with angles that count from the frame of ``q``: see ``turning``."""
-        return replace(self, frame=frame_at(q, self.lengths))
+        return replace(self, frame=frame_at(q, self.lengths, self.law))
 
     def held_at(self, q: Array) -> Equations:
         """Return the equations of a rope whose held degrees of freedom rest where ``q`` is."""
-        return replace(self, motion=at_rest(q))
+        return replace(self, held_motion=at_rest(q))
 
     # forces
 
     def residual(self, q: Array, v: Array, a: Array) -> Array:
         """Return R (nodes, 7), N and N m."""
         (forces,) = self._values(
-            element.element_functions().residual,
+            self.law.residual,
             *self._of_elements(q, v, a),
             self.material[:, None],
         )
@@ -110,7 +118,7 @@ class Equations:
         axial strains of the rope ``prestress`` (nodes, 7).
         """
         forces, J = self._values(
-            element.element_functions().tangent,
+            self.law.tangent,
             *self._of_elements(q, v, a),
             self.material[:, None],
             *c,
@@ -121,8 +129,8 @@ class Equations:
         band[DIAGONAL] += c[2] * self.inertia.ravel()
         self._add_friction(band, R)
         self._hold(band)
-        lu, pivots, _ = dgbtrf(band, BAND, BAND, overwrite_ab=True)
-        return R, Factors(lu, pivots)
+        lu, pivots, info = dgbtrf(band, BAND, BAND, overwrite_ab=True)
+        return R, Factors(lu, pivots, self.held, singular=info > 0)
 
     def _values(self, function: ca.Function, *arguments: Array | float) -> tuple[Array, ...]:
         """Return the results of a ``function`` of an element for all elements."""
@@ -169,7 +177,7 @@ class Equations:
         eq-frame).
         """
         gained = np.zeros((3, len(q)))
-        transport = element.element_functions().transport
+        transport = self.law.transport
         (gained[:, 1:],) = self._values(transport, *self._of_elements(q, v, a))
         gained[0] = gained[0].cumsum()
         return gained
@@ -179,7 +187,7 @@ class Equations:
     def balance(self, q: Array, v: Array) -> dict[str, float]:
         """Return energies (J) and powers (W) of the whole rope by the names of element.BALANCE."""
         (values,) = self._values(
-            element.element_functions().balance,
+            self.law.balance,
             of_elements(q),
             of_elements(v),
             self.lengths[None, :],
@@ -192,7 +200,7 @@ class Equations:
 
     def strains(self, q: Array, v: Array) -> Array:
         """Return the strains of the elements (5, elements): element.STRAINS."""
-        strains = element.element_functions().strains
+        strains = self.law.strains
         parts = of_elements(q), of_elements(v), self.lengths[None, :], self.frame
         (values,) = self._values(strains, *parts)
         return values
@@ -218,9 +226,9 @@ def of_elements(x: Array) -> Array:
     return np.concatenate((x[:-1], x[1:]), axis=1).T
 
 
-def frame_at(q: Array, lengths: Array) -> Array:
+def frame_at(q: Array, lengths: Array, law: ElementFunctions) -> Array:
     """Return the reference (21, elements) of sections whose frame is that of the rope ``q``."""
-    reference = over_elements(element.element_functions().reference)
+    reference = over_elements(law.reference)
     (frame,) = reference(lengths.size, of_elements(q), lengths[None, :])
     return frame
 

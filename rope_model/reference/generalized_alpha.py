@@ -28,7 +28,7 @@ from rope_model.method.generalized_alpha import (
     recentring_time,
 )
 from rope_model.reference.equations import Equations
-from rope_model.reference.newton import Cause, Guess, solve
+from rope_model.reference.newton import Cause, Failure, Guess, solve
 
 TOLERANCE = 3e-6  #: m and rad, last correction of Newton's method
 
@@ -64,7 +64,7 @@ def step(
     b = auxiliary(a)
     q = old.q + h * old.v + h * h * ((0.5 - beta) * b_old + beta * b)
     v = old.v + h * ((1 - gamma) * b_old + gamma * b)
-    held_q, held_v, held_a = equations.motion(old.t + h)
+    held_q, held_v, held_a = equations.held_motion(old.t + h)
     q = np.where(equations.held, held_q, q)
     v = np.where(equations.held, held_v, v)
     a = np.where(equations.held, held_a, a)
@@ -80,17 +80,20 @@ def step(
     return Step(motion, found.corrections, None)
 
 
-def restart(equations: Equations, t: float, q: Array, v: Array) -> Motion:
+def restart(equations: Equations, t: float, q: Array, v: Array) -> Motion | Failure:
     """Return the motion at ``t`` (s) with accelerations from equilibrium and without a history.
 
-    The residual is linear in the accelerations: one correction finds them.
+    The residual is linear in the accelerations: one correction finds them.  It fails if something
+    that is free has no mass.
     """
-    held_q, held_v, held_a = equations.motion(t)
+    held_q, held_v, held_a = equations.held_motion(t)
     q = np.where(equations.held, held_q, q)
     v = np.where(equations.held, held_v, v)
     a = np.where(equations.held, held_a, 0.0)
     R, mass = equations.linearised(q, v, a, (0.0, 0.0, 1.0), prestress=q)
-    a = a + mass.solve(np.where(equations.held, 0.0, -R))
+    if mass.singular:
+        return Failure(Cause.SINGULAR, t, "a restart of the integrator")
+    a = a + mass.solve(-R)
     return Motion(t, q, v, a, a, np.zeros_like(a), 0.0, equations.residual(q, v, a))
 
 

@@ -22,14 +22,15 @@ from rope_model.method.swivel_phases import (
     relaxes,
 )
 from rope_model.parameters import Scene
-from rope_model.physics.centreline import line_yaw
+from rope_model.physics.centreline import line_yaw, nearest_turn
 from rope_model.physics.inextensible import left_leg_length
 from rope_model.physics.node import ANGLE, END_NODE, POSITION
 from rope_model.reference.ends import EndQuintic
 from rope_model.reference.energies import Energies, with_energies
 from rope_model.reference.equations import HEIGHT
 from rope_model.reference.mesh import RopeMesh, mesh_of
-from rope_model.reference.outputs import nearest_turn, yaw_of
+from rope_model.reference.outputs import yaw_of
+from rope_model.reference.passages import with_passages
 from rope_model.reference.state import State
 from rope_model.reference.statics import StaticsError, find_equilibrium, hanging_guess
 from rope_model.reference.swivel import Ends, slip
@@ -54,15 +55,15 @@ class Rest:
 def hang(scene: Scene, t: float, paths: tuple[EndQuintic, EndQuintic]) -> State:
     """Return the rope at rest at ``t`` (s); StaticsError if there is no equilibrium."""
     straight = Ends(scene, paths, (_held(0.0), _held(scene.rope.installed_twist)), (0.0, 0.0))
-    left, right = straight.motion(t, 2)[0, :, POSITION]
+    left, right = straight.end_motion(t, 2)[0, :, POSITION]
     mesh = mesh_of(scene, left_leg_length(scene.rope.length, left[HEIGHT], right[HEIGHT]))
     guess = hanging_guess(mesh.nodes_s, left, right)
     # in the plane of its ends, at psi to X, an untwisted rope turns its right end by -2 psi
     offset = 2.0 * math.atan2(right[2] - left[2], right[0] - left[0])
     ends = replace(straight, offsets=(0.0, offset))
-    first, last = ends.motion(t, 2)[0, :, ANGLE].tolist()
+    first, last = ends.end_motion(t, 2)[0, :, ANGLE].tolist()
 
-    untwisted = _rest(_with_offset(ends, first - last), mesh, _with_angle(guess, first), t)
+    untwisted = _rest(_with_more_offset(ends, first - last), mesh, _with_angle(guess, first), t)
     rest = _twisted(untwisted, mesh, last - first, t)
     side = _sliding_side(rest, t)
     if side is not None:
@@ -70,31 +71,32 @@ def hang(scene: Scene, t: float, paths: tuple[EndQuintic, EndQuintic]) -> State:
         slipping = slip(0.0, rest.reaction[END_NODE[side], ANGLE])
         turning = _with_swivel(ends, side, slipping)
         slid = _rest(turning, mesh, _with_angle(guess, held_angle), t)
-        angle, _ = slid.ends.relative(side, _motion(slid, t))
+        angle, _ = slid.ends.relative(side, _at_rest(slid, t))
         rest = _rest(_with_swivel(slid.ends, side, _held(angle)), mesh, slid.q, t, slid.turn)
 
-    motion = _motion(rest, t)
+    motion = _at_rest(rest, t)
     equations = rest.ends.equations(mesh, rest.q)
     energies = with_energies(Energies(), equations, motion)
     yaw = line_yaw(left, right) - 0.5 * rest.turn
-    return State(
+    state = State(
         motion=motion,
         mesh=mesh,
         paths=paths,
         swivels=rest.ends.swivels,
         offsets=rest.ends.offsets,
-        loop_yaw=nearest_turn(yaw_of(rest.q), yaw),
+        loop_yaw=float(nearest_turn(yaw_of(rest.q), yaw)),
         step_next=scene.solver.step_max,
         calm_since=t,
         force_mean=(-float(rest.reaction[0, HEIGHT]), -float(rest.reaction[-1, HEIGHT])),
         energies=replace(energies, start=energies.total),
     )
+    return with_passages(state)
 
 
 def _rest(ends: Ends, mesh: RopeMesh, guess: Array, t: float, turn: float = 0.0) -> Rest:
     """Return the equilibrium near ``guess``, whose frame has turned by ``turn`` (rad) so far."""
     found = find_equilibrium(ends.equations(mesh, guess), guess, t)
-    return Rest(_with_offset(ends, found.turn), found.q, found.reaction, turn + found.turn)
+    return Rest(_with_more_offset(ends, found.turn), found.q, found.reaction, turn + found.turn)
 
 
 def _twisted(rest: Rest, mesh: RopeMesh, twist: float, t: float) -> Rest:
@@ -108,7 +110,7 @@ def _twisted(rest: Rest, mesh: RopeMesh, twist: float, t: float) -> Rest:
         q[:, ANGLE] += step * fraction
         shortest = size <= SHORTEST_TWIST_STEP
         try:
-            after = _rest(_with_offset(rest.ends, step), mesh, q, t, rest.turn)
+            after = _rest(_with_more_offset(rest.ends, step), mesh, q, t, rest.turn)
         except StaticsError as error:
             if shortest:
                 raise StaticsError(
@@ -138,7 +140,7 @@ def _sliding_side(rest: Rest, t: float) -> int | None:
     return min(frictions, key=frictions.__getitem__, default=None)
 
 
-def _motion(rest: Rest, t: float) -> Motion:
+def _at_rest(rest: Rest, t: float) -> Motion:
     """Return the motion of the rope at rest at ``t`` (s)."""
     zeros = np.zeros_like(rest.q)
     return Motion(t, rest.q, zeros, zeros, zeros, zeros, 0.0, rest.reaction)
@@ -155,8 +157,8 @@ def _with_swivel(ends: Ends, side: int, state: SwivelState) -> Ends:
     return replace(ends, swivels=(state, right) if side == 0 else (left, state))
 
 
-def _with_offset(ends: Ends, more: float) -> Ends:
-    """Return the ends with ``more`` (rad) at the right offset."""
+def _with_more_offset(ends: Ends, more: float) -> Ends:
+    """Return the ends with ``more`` (rad) added to the offset of the right one."""
     left, right = ends.offsets
     return replace(ends, offsets=(left, right + more))
 

@@ -24,6 +24,8 @@ from rope_model.arrays import Array
 from rope_model.method.mesh_fit import FADE_ERROR, MESH_SHARE, fit_elements
 from rope_model.method.mesh_pattern import (
     DUE_EARLY,
+    GRADING,
+    LEG_LENGTHS,
     inner_length,
     min_outer,
     relative_lengths,
@@ -34,11 +36,6 @@ from rope_model.physics.elementary import nearest_whole
 from rope_model.physics.node import arc_lengths
 from rope_model.solver_parameters import Mesh
 
-#: lengths (l) of elements of I and VII, each at a multiple of its length from the end of the rope,
-#: so that its neighbours stay when it changes
-LEG_LENGTHS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
-#: least distance of an element of m l from segments II to VI over (m - 1) l
-DISTANCE_TO_LOOP = 2
 SAME_NODE = 1e-9  #: distance (l) below which two nodes are one
 PATTERN = (
     "coarse",
@@ -167,9 +164,8 @@ def _leg_nodes(units: int, growth: float, end_levels: int) -> Array:
     nodes = [0.0, *(0.5**k for k in range(end_levels, 0, -1)), 1.0]
     position = 1
     while position < units:
-        position += max(
-            size for size in LEG_LENGTHS if size == 1 or _may_be(size, position, units, growth)
-        )
+        longer = (size for size in LEG_LENGTHS if _may_be(size, position, units, growth))
+        position += max(longer, default=1)
         nodes.append(float(position))
     return np.array(nodes)
 
@@ -180,6 +176,6 @@ def _may_be(size: int, position: int, units: int, growth: float) -> bool:
     return (
         position % size == 0
         and size <= position
-        and to_loop >= DISTANCE_TO_LOOP * (size - 1)
+        and to_loop >= GRADING * (size - 1)
         and size * size <= growth * to_loop
     )

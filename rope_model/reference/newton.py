@@ -26,6 +26,7 @@ class Cause(Enum):
 
     NOT_CONVERGED = f"Newton's method did not converge in {MAX_CORRECTIONS} corrections"
     DIVERGED = "Newton's method diverged"
+    SINGULAR = "the matrix of the equations is singular"
     NEW_MESH = "Newton's method does not converge, however stiffly the rope is restrained"
     ERROR = "the local error of the step is too large"
     CHATTER = "a swivel changes between stick and slip faster than a rope can move"
@@ -84,7 +85,9 @@ def solve(
                 R, factors = equations.linearised(q, v, a, c, prestress)
             else:
                 R = equations.residual(q, v, a)
-            x = factors.solve(np.where(equations.held, 0.0, -R))
+            if factors.singular:
+                return Solution(q, v, a, R, k, Cause.SINGULAR)
+            x = factors.solve(-R)
             size = equations.size(x)
             if not size < DIVERGED:
                 return Solution(q, v, a, R, k, Cause.DIVERGED)

@@ -14,7 +14,7 @@ import numpy as np
 from rope_model.arrays import Array
 from rope_model.method.swivel_phases import Phase
 from rope_model.parameters import Scene
-from rope_model.physics.centreline import sample_s
+from rope_model.physics.centreline import nearest_turn, sample_s
 from rope_model.physics.element import STRAINS
 from rope_model.physics.estimates import loop_width
 from rope_model.physics.frame import conveyance_load
@@ -109,11 +109,6 @@ def _yaw(slope: Array) -> float:
     return math.atan2(-aside, along)
 
 
-def nearest_turn(angle: float, last: float) -> float:
-    """Return ``angle`` (rad) with the full turns that bring it closest to ``last``."""
-    return angle + 2.0 * math.pi * round((last - angle) / (2.0 * math.pi))
-
-
 def end_values(scene: Scene, state: State) -> Values:
     """Return forces (N), moments (N m) and swivels of both ends."""
     m = state.motion
@@ -139,7 +134,7 @@ def loop_values(scene: Scene, state: State) -> Values:
     """Return position (m) and yaw (rad) of the loop at its lowest point."""
     lowest = lowest_point(state.motion.q, state.mesh.nodes_s)
     values = {f"loop.{axis}": float(x) for axis, x in zip(AXES, lowest.position, strict=True)}
-    values["loop.yaw"] = nearest_turn(lowest.yaw, state.loop_yaw)
+    values["loop.yaw"] = float(nearest_turn(lowest.yaw, state.loop_yaw))
     return values
 
 

@@ -25,6 +25,7 @@ from rope_model.reference.hanging import hang
 from rope_model.reference.mesh import mesh_of, require_mesh_of
 from rope_model.reference.newton import Cause, Failure
 from rope_model.reference.outputs import NAMES, group_of
+from rope_model.reference.result_warnings import warnings_of
 from rope_model.reference.scope import require_published
 from rope_model.reference.state import State, require_finite
 from rope_model.reference.statics import StaticsError
@@ -185,7 +186,7 @@ class ReferenceRope(BalanceRope):
         raise ValueError(f"the reference rope takes no point forces: {CURE}")
 
     def warnings(self) -> dict[str, str]:
-        return {}
+        return warnings_of(self._scene, self.state)
 
     def snapshot(self) -> Snapshot:
         return Snapshot(self.form, self._scene, self.state, _no_engine_state, State.to_bytes)

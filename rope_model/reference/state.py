@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from enum import Enum
 from typing import NamedTuple, TypeAlias, get_args, get_type_hints
 
@@ -25,6 +25,7 @@ from rope_model.reference.energies import Energies
 from rope_model.reference.equations import Equations
 from rope_model.reference.mesh import RopeMesh
 from rope_model.reference.swivel import Ends
+from rope_model.state import Crossing
 
 
 @dataclass(frozen=True)
@@ -33,9 +34,8 @@ class StepCounts:
 
     steps: int = 0
     rejections: int = 0
-    newton: int = (
-        0  #: corrections of steps: accepted, rejected, and tried in the search for an event
-    )
+    #: corrections of steps: accepted, rejected, and tried in the search for an event
+    newton: int = 0
     transformations: int = 0
     swivel_events: int = 0
 
@@ -63,6 +63,8 @@ class State:
     energies: Energies
     counts: StepCounts = StepCounts()
     events: tuple[LoggedEvent, ...] = ()  #: of the last advance
+    #: passages of the legs through each other
+    crossing: Crossing = field(default_factory=Crossing)
 
     @property
     def last_interval(self) -> float:
@@ -158,7 +160,7 @@ def _to_json(x: object) -> JsonValue:
         values: list[JsonValue] = x.tolist()
         return values
     if is_dataclass(x):
-        return {field.name: _to_json(getattr(x, field.name)) for field in fields(x)}
+        return {each.name: _to_json(getattr(x, each.name)) for each in fields(x)}
     if isinstance(x, tuple):
         return [_to_json(part) for part in x]
     if isinstance(x, Enum):

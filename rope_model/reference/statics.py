@@ -63,7 +63,7 @@ def find_equilibrium(equations: Equations, guess: Array, t: float = 0.0) -> Equi
     Angles count from the frame of the rope itself (docs/theory/element.md, "The frame of the
     section"): those of the guess from the guess's, those of the equilibrium from its own.
     """
-    q = np.where(equations.held, equations.motion(t)[0], guess)
+    q = np.where(equations.held, equations.held_motion(t)[0], guess)
     zeros = np.zeros_like(q)
     length = float(equations.lengths.sum())
     rounding = _rounding(equations)

@@ -10,6 +10,7 @@ of the step in which that becomes due.
 import math
 from dataclasses import dataclass, replace
 
+from rope_model.method.events import Bracket, narrowed, trial_x
 from rope_model.method.generalized_alpha import Coefficients, Motion, local_error
 from rope_model.method.step_control import (
     ACCEPT_BELOW,
@@ -19,6 +20,7 @@ from rope_model.method.step_control import (
     step_limits,
 )
 from rope_model.method.step_errors import ErrorSums
+from rope_model.method.stepping import MIN_INTERVAL
 from rope_model.method.swivel_phases import (
     CHATTER_EVENTS,
     CHATTER_TIME,
@@ -30,12 +32,14 @@ from rope_model.method.swivel_phases import (
     released_at,
 )
 from rope_model.parameters import Scene
+from rope_model.physics.centreline import nearest_turn
 from rope_model.physics.node import ANGLE, END_NODE, SIDES
 from rope_model.reference.energies import after_step
 from rope_model.reference.equations import HEIGHT, STRETCH, Equations
 from rope_model.reference.generalized_alpha import Step, largest_error, restart, step
 from rope_model.reference.newton import Cause, Failure
-from rope_model.reference.outputs import nearest_turn, yaw_of
+from rope_model.reference.outputs import yaw_of
+from rope_model.reference.passages import with_passages
 from rope_model.reference.state import LoggedEvent, State
 from rope_model.reference.swivel import Ends, slip, stick
 from rope_model.reference.transformation import with_mesh_for
@@ -61,7 +65,12 @@ def step_towards(scene: Scene, state: State, t_end: float) -> State | Failure:
     on_mesh = with_mesh_for(scene, state, state.motion.t)
     if isinstance(on_mesh, Failure):
         return on_mesh
-    state = _released(scene, on_mesh)
+    released = _released(scene, on_mesh)
+    if isinstance(released, Failure):
+        return released
+    state = released
+    if t_end - state.motion.t < MIN_INTERVAL:
+        return replace(state, motion=_carried(state.motion, t_end))
     ends = state.ends(scene)
     equations = ends.equations(state.mesh, state.motion.q)
     stop = min(t_end, _next_release(scene, state))
@@ -92,12 +101,26 @@ def step_towards(scene: Scene, state: State, t_end: float) -> State | Failure:
         calm_since=float(following.calm_since),
     )
     after = after.with_angles(equations).counted(steps=1)
-    after = replace(after, loop_yaw=nearest_turn(yaw_of(after.motion.q), after.loop_yaw))
+    loop_yaw = float(nearest_turn(yaw_of(after.motion.q), after.loop_yaw))
+    after = replace(after, loop_yaw=loop_yaw)
+    after = with_passages(after)
     if accepted.switches:
-        after = _switched(scene, after)
+        switched = _switched(scene, after)
+        if isinstance(switched, Failure):
+            return switched
+        after = switched
     if _chatters(after):
         return _failed_step(Cause.CHATTER, old.t, accepted.h)
     return after
+
+
+def _carried(motion: Motion, t: float) -> Motion:
+    """Return the ``motion`` at ``t`` (s), less than MIN_INTERVAL after it.
+
+    A release or an event close to the host's instant leaves such a rest.  In a step of its length
+    rounding would be all that changes the motion, and would count as forces.
+    """
+    return replace(motion, t=t, q=motion.q + (t - motion.t) * motion.v)
 
 
 def _accepted(
@@ -115,9 +138,10 @@ def _accepted(
         state = state.counted(newton=trial.corrections)
         error = _error(scene, state, equations, trial)
         good = trial.motion is not None and error <= ACCEPT_BELOW * solver.tolerance
-        switches = good and trial.motion is not None and _excess(ends, trial.motion) >= 0
-        if switches:
-            trial = _trial_to_event(scene, equations, ends, old, h)
+        switches = False
+        if good and trial.motion is not None and _excess(ends, trial.motion) >= 0:
+            switches = True
+            trial = _trial_to_event(scene, equations, ends, old, trial.motion)
             state = state.counted(newton=trial.corrections)
         if good and trial.motion is not None:
             before = replace(state, step_next=step_next)
@@ -162,21 +186,24 @@ def _error(scene: Scene, state: State, equations: Equations, trial: Step) -> flo
 # swivels
 
 
-def _released(scene: Scene, state: State) -> State:
+def _released(scene: Scene, state: State) -> State | Failure:
     """Return the state with swivels free to slip whose release time has come."""
     swivels = [_released_swivel(scene, state, side) for side in range(len(SIDES))]
     if swivels == list(state.swivels):
         return state
-    state = _restarted(scene, replace(state, swivels=(swivels[0], swivels[1])))
-    beyond = _excess(state.ends(scene), state.motion) >= 0
-    return _switched(scene, state) if beyond else state
+    released = _restarted(scene, replace(state, swivels=(swivels[0], swivels[1])))
+    if isinstance(released, Failure):
+        return released
+    if _excess(released.ends(scene), released.motion) < 0:
+        return released
+    return _switched(scene, released)
 
 
 def _released_swivel(scene: Scene, state: State, side: int) -> SwivelState:
     """Return the swivel on this side: released if its time has come, else as it is."""
     swivel = state.ends(scene).data(side)
     present = state.swivels[side]
-    if state.motion.t < released_at(swivel, present):
+    if released_at(swivel, present) - state.motion.t >= MIN_INTERVAL:
         return present
     if frictionless(swivel):
         return slip(present.angle, -1.0)
@@ -194,37 +221,55 @@ def _excess(ends: Ends, motion: Motion) -> float:
     return max(ends.excess(side, motion) for side in range(len(SIDES)))
 
 
-def _trial_to_event(scene: Scene, equations: Equations, ends: Ends, old: Motion, h: float) -> Step:
-    """Return a trial step, shorter than ``h`` (s), to the instant at which a swivel leaves its phase.
+def _trial_to_event(
+    scene: Scene, equations: Equations, ends: Ends, old: Motion, beyond: Motion
+) -> Step:
+    """Return a trial step, no longer than that to ``beyond``, to the instant at which a swivel leaves its phase.
 
-    Its corrections are those of the whole search.
+    It ends past that instant by up to EVENT_WIDTH, the upper end of the bracket: an event that is
+    due at once, as after a retuning, still takes a step.  Its corrections are those of the whole
+    search.
     """
     corrections = 0
 
-    def excess_after(part: float) -> float:
+    def tried(part: float) -> Step:
         nonlocal corrections
-        if part == 0:
-            return min(_excess(ends, old), JUST_BEFORE)
         trial = _trial(scene, equations, old, part)
         corrections += trial.corrections
-        return 1.0 if trial.motion is None else _excess(ends, trial.motion)
+        return trial
 
-    from scipy.optimize import brentq  # slow to load, and most runs hold no event
+    def excess_after(part: float) -> float:
+        motion = tried(part).motion
+        return math.inf if motion is None else _excess(ends, motion)
 
-    to_event = float(brentq(excess_after, 0.0, h, xtol=EVENT_WIDTH))
-    trial = _trial(scene, equations, old, to_event)
-    return replace(trial, corrections=corrections + trial.corrections)
+    bracket = Bracket(
+        low=0.0,
+        high=beyond.h,
+        f_low=min(_excess(ends, old), JUST_BEFORE),
+        f_high=_excess(ends, beyond),
+        side=0,
+        stalled=0,
+    )
+    while bracket.high - bracket.low > EVENT_WIDTH:
+        part = float(trial_x(bracket, EVENT_WIDTH))
+        if not bracket.low < part < bracket.high:
+            break
+        bracket = narrowed(bracket, part, excess_after(part))
+    trial = tried(float(bracket.high))
+    return replace(trial, corrections=corrections)
 
 
-def _switched(scene: Scene, state: State) -> State:
+def _switched(scene: Scene, state: State) -> State | Failure:
     """Return the state with the next phase of the swivels that cannot stay in theirs, restarted."""
     ends = state.ends(scene)
     excesses = [ends.excess(side, state.motion) for side in range(len(SIDES))]
-    due = min(0.0, max(excesses))  # an event is located up to EVENT_WIDTH
+    due = min(0.0, max(excesses))  # the turn of the frame may round an event's excess below 0
     for side, name in enumerate(SIDES):
         if excesses[side] < due:
             continue
         phase = _next_phase(scene, state, side)
+        if isinstance(phase, Failure):
+            return phase
         state = _with_swivel(state, side, phase)
         what = "sticks" if phase.phase is Phase.STICK else f"slips {'+' if phase.sign > 0 else '-'}"
         event = LoggedEvent(state.motion.t, f"{name} swivel {what}")
@@ -232,13 +277,15 @@ def _switched(scene: Scene, state: State) -> State:
     return _restarted(scene, state)
 
 
-def _next_phase(scene: Scene, state: State, side: int) -> SwivelState:
+def _next_phase(scene: Scene, state: State, side: int) -> SwivelState | Failure:
     """Return the next phase of a swivel: stick if its friction can hold, else slip."""
     motion = state.motion
     present = state.swivels[side]
     if present.phase is Phase.SLIP:
         present = stick(state.ends(scene).relative(side, motion)[0])
         held = _restarted(scene, _with_swivel(state, side, present))
+        if isinstance(held, Failure):
+            return held
         if held.ends(scene).excess(side, held.motion) < 0:
             return present
         motion = held.motion
@@ -251,10 +298,13 @@ def _with_swivel(state: State, side: int, swivel: SwivelState) -> State:
     return replace(state, swivels=(swivel, right) if side == 0 else (left, swivel))
 
 
-def _restarted(scene: Scene, state: State) -> State:
+def _restarted(scene: Scene, state: State) -> State | Failure:
     """Return the state with consistent accelerations and no history."""
     m = state.motion
-    return replace(state, motion=restart(state.equations(scene), m.t, m.q, m.v))
+    motion = restart(state.equations(scene), m.t, m.q, m.v)
+    if isinstance(motion, Failure):
+        return motion
+    return replace(state, motion=motion)
 
 
 def _chatters(state: State) -> bool:

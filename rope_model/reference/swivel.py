@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rope_model.arrays import Array
+from rope_model.boundary.end_conditions import YAW_SENSE
 from rope_model.method.generalized_alpha import Motion
 from rope_model.method.swivel_phases import (
     Phase,
@@ -30,11 +31,14 @@ from rope_model.method.swivel_phases import (
     swivel_excess,
 )
 from rope_model.parameters import Scene, Swivel
+from rope_model.physics import element
 from rope_model.physics.element import NODE_DOF, parameters
 from rope_model.physics.node import ANGLE, END_NODE, POSITION
-from rope_model.reference.ends import SENSE, YAW, EndQuintic
+from rope_model.reference.ends import YAW, EndQuintic
 from rope_model.reference.equations import ALONG, HEIGHT, STRETCH, Equations, frame_at
 from rope_model.reference.mesh import RopeMesh
+
+OUTWARD = (-1.0, 1.0)  #: X of the suspensions at rest, in half spacings
 
 
 @dataclass(frozen=True)
@@ -62,12 +66,14 @@ class Ends:
             held[node, ANGLE] = now.phase is not Phase.SLIP
             load[node, ANGLE] = moment.constant
             friction[node] = moment.per_tension
+        law = element.element_functions()  # another one here is a trial in the reference alone
         return Equations(
+            law=law,
             lengths=mesh.lengths,
             material=np.array(parameters(self.scene.rope, self.scene.layout.gravity)),
-            frame=frame_at(q, mesh.lengths),
+            frame=frame_at(q, mesh.lengths, law),
             held=held,
-            motion=lambda t: self.motion(t, len(q)),
+            held_motion=lambda t: self.end_motion(t, len(q)),
             load=load,
             inertia=inertia,
             friction=friction,
@@ -77,14 +83,14 @@ class Ends:
         """Return the parameters of the swivel on this side."""
         return (self.scene.left, self.scene.right)[side]
 
-    def motion(self, t: float, nodes: int) -> Array:
+    def end_motion(self, t: float, nodes: int) -> Array:
         """Return q, v, a (3, nodes, 7) at ``t`` (s), of which the held entries count."""
         motion = np.zeros((3, nodes, NODE_DOF))
         for side, node in enumerate(END_NODE):
             path = self.paths[side].at(t)
             motion[:, node, POSITION] = path[:, :YAW]
-            motion[0, node, ALONG] += SENSE[side] * 0.5 * self.scene.layout.spacing
-            motion[:, node, ANGLE] = SENSE[side] * path[:, YAW]
+            motion[0, node, ALONG] += OUTWARD[side] * 0.5 * self.scene.layout.spacing
+            motion[:, node, ANGLE] = YAW_SENSE[side] * path[:, YAW]
             motion[0, node, ANGLE] += self.offsets[side] + self.swivels[side].angle
         return motion
 
@@ -92,8 +98,8 @@ class Ends:
         """Return the swivel's angle b (rad) and its rate (rad/s)."""
         node = END_NODE[side]
         path = self.paths[side].at(motion.t)
-        angle = motion.q[node, ANGLE] - self.offsets[side] - SENSE[side] * path[0, YAW]
-        rate = motion.v[node, ANGLE] - SENSE[side] * path[1, YAW]
+        angle = motion.q[node, ANGLE] - self.offsets[side] - YAW_SENSE[side] * path[0, YAW]
+        rate = motion.v[node, ANGLE] - YAW_SENSE[side] * path[1, YAW]
         return float(angle), float(rate)
 
     def moment(self, side: int, motion: Motion) -> float:

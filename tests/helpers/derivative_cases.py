@@ -102,9 +102,8 @@ class Case:
     longest: float = math.inf  # s
     bent: tuple[str, ...] = ("x", "y", "z", "yaw")
     apart: tuple[str, ...] = ()  # inputs that are left out
-    scale: float = (
-        1.0  # of the differences; wires begin to slide, or stick again, after a small bend
-    )
+    # of the differences; wires begin to slide, or stick again, after a small bend
+    scale: float = 1.0
 
 
 def with_swivels(**values: Any) -> Scene:

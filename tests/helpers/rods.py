@@ -47,12 +47,14 @@ def rod(
         load = np.zeros_like(values)
     if reference is None:
         reference = values
+    law = element_functions()
     return Equations(
+        law=law,
         lengths=lengths,
         material=material,
-        frame=frame_at(reference, lengths),
+        frame=frame_at(reference, lengths, law),
         held=held,
-        motion=at_rest(values),
+        held_motion=at_rest(values),
         load=load,
         inertia=np.zeros_like(values),
         friction=np.zeros(len(values)),
@@ -84,6 +86,7 @@ class Dense:
 
     matrix: Array
     held: Mask
+    singular: bool = False
 
     def solve(self, force: Array) -> Array:
         """Return x (nodes, 7) with J x = ``force``, zero where the rod is held."""
@@ -112,7 +115,7 @@ class CurvedRod(Equations):
         l = self.lengths
         _, k0 = curvature_along(l.size)(START, self.components, l[None], of_elements(q))
         bending = np.full(l.size, self.material[PARAMETERS.index("EI")])
-        frame = np.vstack((frame_at(q, l), np.array(k0), q[:-1, 6], q[1:, 6], bending))
+        frame = np.vstack((frame_at(q, l, self.law), np.array(k0), q[:-1, 6], q[1:, 6], bending))
         return replace(self, frame=frame)
 
     def residual(self, q: Array, v: Array, a: Array) -> Array:

@@ -36,7 +36,7 @@ from rope_model.shaft_parameters import Air, Shaft, Sump
 
 LAW = air_coefficients(Air(density=1.2, drag=1.1, vx=1.0, vy=2.0, vz=-3.0), 0.044, 2.0)
 #: numbers of the law, and of conveyances at rest
-A = [LAW.factor, *LAW.velocity, *LAW[2:], *8 * [0.0]]
+A = [*LAW.numbers(), *8 * [0.0]]
 
 
 def moved(fidelity: ElementFidelity, seed: int) -> tuple[np.ndarray[Any, Any], ...]:
@@ -102,7 +102,7 @@ def pulse(x: float, y: float, l: float = 0.1) -> dict[str, float]:
         q,
         v,
         l,
-        [PUSH.factor, *PUSH.velocity, *PUSH[2:], *(0.0, -HEIGHT, 0.0, SPEED), *(x, 0.0, 0.0, 0.0)],
+        [*PUSH.numbers(), *(0.0, -HEIGHT, 0.0, SPEED), *(x, 0.0, 0.0, 0.0)],
     )
 
 
@@ -133,7 +133,7 @@ def upright(law: AirCoefficients, top: float, l: float) -> dict[str, float]:
     v = np.zeros(2 * NODE_DOF)
     q[:, 4] = -1.0
     sums = np.zeros(len(AIR_BALANCE))
-    numbers = [law.factor, *law.velocity, *law[2:], *8 * [0.0]]
+    numbers = [*law.numbers(), *8 * [0.0]]
     for y in top - np.arange(0.0, 60.0, l):
         q[:, 1] = y, y - l
         sums += np.array(air_functions("torsional").sums(q.ravel(), v, l, numbers)).ravel()
@@ -147,9 +147,8 @@ def test_a_leg_through_a_gallerys_flow_takes_its_drag_over_that_height(
     l: float, missed: float
 ) -> None:
     sums = [upright(GALLERY, top, l) for top in np.linspace(18.0, 18.0 + l, 10, endpoint=False)]
-    side = (
-        0.5 * 1.2 * 1.2 * 0.044 * 5.0 * 4.3
-    )  # per m/s in X and Z, of 5 m/s: rho_a c_d d |u| u h / 2
+    # per m/s in X and Z, of 5 m/s: rho_a c_d d |u| u h / 2
+    side = 0.5 * 1.2 * 1.2 * 0.044 * 5.0 * 4.3
     for axis, speed in (("x", 3.0), ("z", -4.0)):
         assert_allclose([one[f"air_f{axis}"] for one in sums], speed * side, rtol=missed)
     # at the gallery's height on average
@@ -160,7 +159,8 @@ def test_a_leg_through_a_gallerys_flow_takes_its_drag_over_that_height(
 def test_the_tangent_is_the_derivative_to_the_speed(fidelity: ElementFidelity) -> None:
     air = air_functions(fidelity)
     q, v = moved(fidelity, 1)
-    passing = [*A[:4], 0.8, 3.0, 2.0, -0.5, 1.5, *(-1.0, -2.0, 0.5, 4.0), *(1.5, 0.5, -0.2, -5.0)]
+    law = LAW._replace(buffet=0.8, height=3.0, spacing=2.0, cross_y=-0.5, cross_height=1.5)
+    passing = [*law.numbers(), *(-1.0, -2.0, 0.5, 4.0), *(1.5, 0.5, -0.2, -5.0)]
     J = np.array(air.tangent(q, v, 2.0, passing, 1.0))
     assert np.abs(J - np.array(air.tangent(q, v, 2.0, A, 1.0))).max() > 0.01
     assert_allclose(

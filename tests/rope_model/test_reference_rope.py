@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -20,6 +21,7 @@ from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
 from rope_model import (
     Air,
+    BalanceRope,
     Conveyance,
     EndMotion,
     Guard,
@@ -37,19 +39,22 @@ from rope_model import (
 )
 from rope_model.arrays import Array
 from rope_model.method.generalized_alpha import Motion
-from rope_model.physics.element import element_functions
+from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.physics.hermite import missing_load
 from rope_model.physics.node import ANGLE, arc_lengths
 from rope_model.reference import generalized_alpha, newton, statics, transformation
 from rope_model.reference.elements import GROUP, over_elements
 from rope_model.reference.equations import Equations
 from rope_model.reference.mesh import mesh_of, require_mesh_of, transformed
-from rope_model.reference.outputs import NAMES
+from rope_model.reference.outputs import NAMES, lowest_point
+from rope_model.reference.passages import loop_turns
+from rope_model.reference.result_warnings import COMPUTED, IMPOSSIBLE, NOT_COMPUTED
 from rope_model.reference.rope import ReferenceRope
 from rope_model.reference.scope import NO_BODIES, PUBLISHED
 from rope_model.reference.transfer import transferred
 from rope_model.scene_names import named_parameters
 from rope_model.signals.signal_table import SIGNALS
+from rope_model.warnings.result_warnings import WARNINGS
 
 GRAVITY = 9.81
 #: m, a step of the host in the scenes below
@@ -82,6 +87,7 @@ def moved(pattern: tuple[float, ...], steps: int) -> Motion:
     """The motion after 0.3 s, in steps whose lengths follow the pattern."""
     equations, q, v = soft_rope()
     motion = generalized_alpha.restart(equations, 0.0, q, v)
+    assert isinstance(motion, Motion)
     for k in range(steps):
         h = 0.3 / steps * pattern[k % len(pattern)]
         trial = generalized_alpha.step(equations, motion, h, rho_inf=0.6, tolerance=1e-11)
@@ -124,6 +130,22 @@ def test_rope_that_hangs_between_held_ends_has_the_uniform_torque_of_the_theory(
     twist = rope.Qc / rope.Qa * weight / 2 / (rope.Qd - rope.Qb * rope.Qc / rope.Qa)
     # e is linear along the rope: theta at the nodes is exact but for squares of the strain
     assert_allclose(rest.q[:, ANGLE], -twist * s * (rope.length - s), atol=1e-3 * twist * 900)
+
+
+def test_another_law_of_the_equations_is_a_trial_in_the_reference_alone() -> None:
+    equations, q, _ = soft_rope()
+    q = q.copy()
+    q[:, 0] *= 1.1
+    q[:, 3] *= 1.1
+    published = equations.law
+    arguments = [published.residual.sx_in(k) for k in range(published.residual.n_in())]
+    doubled = replace(
+        published, residual=ca.Function("doubled", arguments, [2 * published.residual(*arguments)])
+    )
+    zeros = np.zeros_like(q)
+    trial = replace(equations, law=doubled).residual(q, zeros, zeros)
+    assert_allclose(trial, 2 * equations.residual(q, zeros, zeros), rtol=1e-12)
+    assert element_functions() is published
 
 
 def test_tangent_is_the_derivative_of_the_residual_at_rest() -> None:
@@ -364,6 +386,62 @@ def test_winding_of_the_published_rope_has_the_engines_forces_and_loop() -> None
     assert np.abs(ours - theirs)[:, 2].max() < 0.01
 
 
+@pytest.mark.parametrize("beside", [math.inf, -math.inf])
+def test_release_within_rounding_of_the_hosts_instant_is_that_at_the_instant(
+    beside: float,
+) -> None:
+    """A step of 1e-17 s has no motion but rounding, which over its square is a force of any size."""
+    runs = []
+    for release in (3 * H, math.nextafter(3 * H, beside)):
+        dry = replace(DRY, release_time=release)
+        scene = replace(FEW, left=dry, right=dry).scene(0.02).with_(solver=Solver(step_max=0.02))
+        rope = wound(balance_rope(scene, "reference"), winding, 3, step=H)
+        assert rope.time == 3 * H
+        assert rope.advance_to(4 * H, *winding(4 * H)).valid
+        runs.append(np.array([*rope.signals((*MEASURED, *EVENTS, "count.steps")).values()]))
+    assert_allclose(runs[1], runs[0], rtol=1e-9, atol=1e-9)
+
+
+def test_swivel_that_is_retuned_below_its_moment_slips_at_once_as_in_the_engine() -> None:
+    tight = Swivel(mode="coulomb", mu_static=0.5, mu_kinetic=0.4)
+    loose = replace(tight, mu_static=1e-5, mu_kinetic=5e-6)
+    scene = replace(FEW, left=tight).scene(0.02)
+    torques = {}
+    for form in ("native", "reference"):
+        rope = wound(balance_rope(scene, form), winding, 2, step=H)
+        rope.retune(scene.with_(left=loose))
+        assert rope.advance_to(3 * H, *winding(3 * H)).valid
+        values = rope.signals(["left.swivel.slipping", "left.swivel.torque", EVENTS[1]])
+        assert values["left.swivel.slipping"] == 1
+        assert values[EVENTS[1]] == 1
+        torques[form] = values["left.swivel.torque"]
+    # the law of friction: as exact as the tension, 805 N up to 3 mN
+    assert_allclose(torques["reference"], torques["native"], rtol=1e-4)
+
+
+def test_swivel_that_sticks_does_not_move() -> None:
+    scene = replace(FEW, left=Swivel(mode="coulomb", mu_static=0.5)).scene(0.02)
+    rope = hung(balance_rope(scene, "reference"), *winding(0.0))
+    for k in range(1, 4):
+        assert rope.advance_to(k * H, *winding(k * H)).valid
+        values = rope.signals(["left.swivel.rate", "left.swivel.angle"])
+        assert [*values.values()] == [0.0, 0.0]
+
+
+def test_restart_of_something_without_mass_fails_for_that_cause() -> None:
+    equations, q, v = soft_rope()
+    massless = equations.material.copy()
+    massless[PARAMETERS.index("rhoJ")] = 0.0
+    massless[PARAMETERS.index("rhoJ_x")] = 0.0
+    equations = replace(equations, material=massless)
+    failed = generalized_alpha.restart(equations, 0.0, q, v)
+    assert isinstance(failed, newton.Failure)
+    assert failed.cause is newton.Cause.SINGULAR
+    guess = newton.Guess(q, v, np.zeros_like(q))
+    found = newton.solve(equations, guess, (0.0, 0.0, 1.0), 1e-9, prestress=q)
+    assert found.cause is newton.Cause.SINGULAR
+
+
 # energy, states, failures, scope
 
 
@@ -568,6 +646,35 @@ def test_calls_and_motions_of_other_ropes_are_refused() -> None:
     assert "right.y = nan" in rope.advance_to(0.02, REST, EndMotion(y=math.nan)).message
 
 
+@pytest.mark.parametrize(("twist", "warned"), [(20.0, "passed_sides"), (3.0, "yaw_at_rest")])
+def test_warnings_that_the_reference_computes_are_the_engines(twist: float, warned: str) -> None:
+    rope = Rope(length=30.0, installed_twist=twist)
+    scene = Scene(rope=rope, mesh=Mesh("eem", elements=30), model=Model("torsional"))
+    ours, theirs = (hung(balance_rope(scene, form)) for form in ("reference", "native"))
+    expected = theirs.warnings()
+    assert warned in expected
+    assert ours.warnings() == {name: expected[name] for name in COMPUTED if name in expected}
+    # the turns of which a jump is a passage
+    assert isinstance(ours, ReferenceRope)
+    q = ours.state.motion.q
+    s = ours.state.mesh.nodes_s
+    over_height = loop_turns(q, s, lowest_point(q, s)).number
+    crossings = theirs.signals(["loop.crossings", "loop.turns", "loop.yaw"])
+    yaw = crossings["loop.yaw"]
+    assert ours.state.crossing.number == crossings["loop.crossings"]
+    net = yaw / (2 * math.pi) - crossings["loop.turns"]
+    assert ours.state.crossing.net == pytest.approx(net, abs=1e-9)
+    # the yaw of the lowest point is that of a parabola in the engine
+    assert over_height == pytest.approx(crossings["loop.turns"], abs=1e-3)
+
+
+def test_every_warning_is_computed_or_impossible_or_said_to_be_not_computed() -> None:
+    assert sorted((*COMPUTED, *IMPOSSIBLE, *NOT_COMPUTED)) == sorted(WARNINGS)
+    told = BalanceRope.warnings.__doc__
+    assert told is not None
+    assert [name for name in NOT_COMPUTED if name not in told] == []
+
+
 def test_outputs_are_those_of_the_signal_table() -> None:
     rope = hung(balance_rope(FEW.scene(0.02), "reference"))
     values = rope.signals()
@@ -599,33 +706,49 @@ def test_reference_shares_tables_and_rules_with_the_engine_and_no_control_flow()
         "signals",
         "solver_parameters",
         "state",
+        "warnings",
     )
     assert {name for name in modules if name.split(".")[1] not in allowed} == set()
 
 
+def named(group: str, *names: str) -> tuple[str, ...]:
+    """Full names of parameters of a group: a new one must not be covered by what its name begins with."""
+    return tuple(f"{group}.{name}" for name in names)
+
+
 #: parameters that the reference rope uses
 USED = (
-    *("rope.length", "rope.mass_per_length", "rope.Qa", "rope.Qb", "rope.Qc", "rope.Qd", "rope.EI"),
-    *("rope.rhoJ", "rope.c2", "rope.beta_K", "rope.torsion_damping", "rope.bending_damping"),
-    *("rope.diameter", "rope.installed_twist", "layout.", "mesh.", "accuracy."),
-    *of_both_ends("swivel.mode", "swivel.mean_", "swivel.mu_", "swivel.seal_", "swivel.inertia"),
-    *of_both_ends("swivel.release_", "swivel.start"),
-    *("solver.step_", "solver.tolerance", "solver.newton_", "solver.rho_inf"),
-    *("inputs.acceleration_max", "inputs.hold_max", "contact.stiffness"),
+    *named("rope", "length", "mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ", "c2"),
+    *named("rope", "beta_K", "torsion_damping", "bending_damping", "diameter", "installed_twist"),
+    *named("layout", "spacing", "gravity"),
+    *of_both_ends("swivel.mode", "swivel.mean_diameter", "swivel.mu_static", "swivel.mu_kinetic"),
+    *of_both_ends("swivel.seal_moment", "swivel.inertia", "swivel.release_time", "swivel.start"),
+    *named("mesh", "kind", "elements", "coarse_length", "end_levels", "grading_length"),
+    *named("mesh", "loop_error", *(f"counts[{k}]" for k in range(1, 6))),
+    *named("accuracy", "end_force", "loop"),
+    *named("solver", "step_max", "step_min", "tolerance", "newton_tolerance", "rho_inf"),
+    *named("inputs", "acceleration_max", "hold_max"),
+    "contact.stiffness",
 )
+DIVIDERS = ("divider_1", "divider_2", "divider_3", "divider_4")
 #: without effect where what they belong to is refused, or outputs that it does not compute
 IDLE = (
-    *("rope.slip_", "rope.initial_curvature_angle", "model.force_tolerance"),
-    *("inputs.bandwidth", "inputs.estimate_bandwidth", "inputs.misfit_max", "station."),
-    *("lining.", "conveyance.", "head_ropes.", "divider_", "contact.", "guard.", "air."),
+    *named("rope", "slip_moment", "slip_factor", "initial_curvature_angle"),
+    "model.force_tolerance",
+    *named("inputs", "bandwidth", "estimate_bandwidth", "misfit_max"),
+    *named("station", "first", "last"),
+    *named("lining", "rounding", "x", "z"),
+    *named("conveyance", "depth", "height", "above"),
+    "head_ropes.row",
+    *(x for group in DIVIDERS for x in named(group, "y", "offset", "direction", "rounding")),
+    *named("contact", "damping", "friction", "slip_speed"),
+    *named("guard", "rise_delay", "rise_y", "window_delay", "window_y", "clearance_delay"),
+    *named("guard", "turns_delay", "torque_delay"),
+    *named("air", "drag", "vx", "vy", "vz", "cross_y", "cross_height", "buffet", "buffet_length"),
 )
 
 
 def test_every_parameter_is_used_or_refused_or_idle() -> None:
     """A new parameter would be passed over in silence otherwise: refuse it in scope.py, or list it here."""
-    names = {parameter.name for parameter in named_parameters(Scene())}
-    refused = PUBLISHED.keys() | NO_BODIES.keys()
-    assert refused <= names
-    assert {x for x in names - refused if not x.startswith((*USED, *IDLE))} == set()
-    for known in (*USED, *IDLE):
-        assert any(x.startswith(known) for x in names), known
+    names = [parameter.name for parameter in named_parameters(Scene())]
+    assert sorted((*USED, *IDLE, *PUBLISHED, *NO_BODIES)) == sorted(names)

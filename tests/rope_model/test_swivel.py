@@ -23,13 +23,14 @@ from rope_model import (
     Swivel,
     balance_rope,
 )
+from rope_model.boundary.end_conditions import YAW_SENSE
 from rope_model.codegen.build import written
 from rope_model.codegen.rules import rules_code
 from rope_model.method import swivel_phases
 from rope_model.method.statics import lacks_symmetry
 from rope_model.method.swivel_phases import Phase, SwivelState, swivel_excess
 from rope_model.physics.swivel import Friction, friction_law, friction_moment
-from rope_model.reference.ends import SENSE, EndQuintic, onwards
+from rope_model.reference.ends import EndQuintic, onwards
 from rope_model.reference.rope import ReferenceRope
 from rope_model.reference.swivel import Ends as ReferenceEnds
 from rope_model.state import Event
@@ -149,13 +150,13 @@ class Phased:
 
     def motion(self, t: float, y: np.ndarray) -> tuple[np.ndarray, ...]:
         held = self.equations.held
-        q, v, a = self.equations.motion(t)
+        q, v, a = self.equations.held_motion(t)
         q = np.where(held, q, y[: q.size].reshape(self.shape))
         v = np.where(held, v, y[q.size :].reshape(self.shape))
         a = np.where(held, a, 0.0)
         # the residual is linear in the accelerations, also by its friction
         R, mass = self.equations.linearised(q, v, a, (0.0, 0.0, 1.0), prestress=q)
-        return q, v, a + mass.solve(np.where(held, 0.0, -R))
+        return q, v, a + mass.solve(-R)
 
     def rates(self, t: float, y: np.ndarray) -> np.ndarray:
         _, v, a = self.motion(t, y)
@@ -166,7 +167,7 @@ class Phased:
         q, v, a = self.motion(t, y)
         state = self.ends.swivels[side]
         if state.phase is Phase.SLIP:
-            yaw_rate = self.ends.paths[side].at(t)[1, 3] * SENSE[side]
+            yaw_rate = self.ends.paths[side].at(t)[1, 3] * YAW_SENSE[side]
             rate = float(state.sign * (v[-side, 6] - yaw_rate))
             # just after release the rate is zero: look a little later
             if t < self.since + 1e-4:
@@ -182,7 +183,7 @@ class Phased:
         if state.phase is Phase.STICK:
             moment = self.equations.residual(q, v, a)[-side, 6]
             return state._replace(phase=Phase.SLIP, sign=-np.sign(moment))
-        yaw = SENSE[side] * self.ends.paths[side].at(t)[0, 3]
+        yaw = YAW_SENSE[side] * self.ends.paths[side].at(t)[0, 3]
         return SwivelState(Phase.STICK, float(q[-side, 6] - self.ends.offsets[side] - yaw), 0.0)
 
 

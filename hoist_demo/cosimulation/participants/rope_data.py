@@ -55,9 +55,8 @@ class RopeData:
     fidelity_reason: str = ""  # why this fidelity runs
     name: str = ""  # prefix of its signals where there are several ropes
     suspension: SuspensionOffset = field(default_factory=SuspensionOffset)
-    breaks: tuple[float, float] | None = (
-        None  # time [s] and place [m, from the left end] of a break
-    )
+    # time [s] and place [m, from the left end] of a break
+    breaks: tuple[float, float] | None = None
 
     @property
     def prefix(self) -> str:

@@ -32,7 +32,7 @@ const char *side_name(int side) {
     return side == LEFT ? "left" : "right";
 }
 
-static const double YAW_SENSE[2] = {-1.0, 1.0}; /* sign of the conveyance's yaw in theta */
+static const double SENSE_OF_YAW[2] = YAW_SENSE;
 
 static int largest(int axes, const double *sizes) {
     int worst = 0;
@@ -102,16 +102,16 @@ double ends_moment(const Scene *scene, const State *state, const NodalArrays *no
 
 void ends_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]) {
     const EndMotion now = path_at(&state->paths[side], t);
-    relative[0] = theta - state->offsets[side] - YAW_SENSE[side] * now.yaw;
-    relative[1] = theta_t - YAW_SENSE[side] * now.yaw_rate;
+    relative[0] = theta - state->offsets[side] - SENSE_OF_YAW[side] * now.yaw;
+    relative[1] = theta_t - SENSE_OF_YAW[side] * now.yaw_rate;
 }
 
 void ends_prescribed_motion(const Scene *scene, const State *state, int side, double t, double rows[3][DOF]) {
-    held_end(&state->paths[side], t, (side == LEFT ? -0.5 : 0.5) * scene->layout.spacing, YAW_SENSE[side],
+    held_end(&state->paths[side], t, (side == LEFT ? -0.5 : 0.5) * scene->layout.spacing, SENSE_OF_YAW[side],
              state->offsets[side] + state->swivels[side].angle, rows);
     if (scene->swivels[side].attachment != CLAMPED) return;
     double leans[2][3], n[3][3];
     path_lean_motion(&state->paths[side], t, leans);
     clamp_axis(leans[0], leans[1], n);
-    for (int k = 0; k < 9; k++) rows[k / 3][SLOPE + k % 3] = -YAW_SENSE[side] * n[k / 3][k % 3];
+    for (int k = 0; k < 9; k++) rows[k / 3][SLOPE + k % 3] = -SENSE_OF_YAW[side] * n[k / 3][k % 3];
 }
