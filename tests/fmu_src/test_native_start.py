@@ -266,7 +266,8 @@ def test_bounds_of_the_inputs_are_those_of_the_rope() -> None:
             assert "beyond" in refusal(clamped, beyond, NO_MEASURES, side)
 
 
-@pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.slow), 3])
+@pytest.mark.slow
+@pytest.mark.parametrize("fmi", [2, 3])
 def test_sources_rebuild_with_fmpy_compile(
     fmi: int, fmu_of: Callable[[str], Path], tmp_path: Path
 ) -> None:

@@ -43,10 +43,8 @@ def test_every_pair_of_choices_is_right_or_refused(row: Mapping[str, str], bench
     judge_row(bench, row)
 
 
-@pytest.mark.parametrize(
-    ("command", "stop"),
-    [("resume", "torque"), pytest.param("duty", "none", marks=pytest.mark.slow)],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("command", "stop"), [("resume", "torque"), ("duty", "none")])
 def test_commands_agree_on_a_trip_of_two_ropes(command: str, stop: str, bench: Bench) -> None:
     # the row differs from the defaults in what most commands must pass on
     choices = {

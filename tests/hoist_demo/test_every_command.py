@@ -285,9 +285,9 @@ def test_a_run_is_gone_on_with_whose_hoist_is_a_file(
         in capsys.readouterr().err
     )
     assert main([*DEMO, "--resume", str(tmp_path / "out" / "last_good.npz"), *out]) == 0
-    assert "| hoist.payload_left | 4321 |" in (tmp_path / "out" / "report.md").read_text(
-        encoding="utf-8"
-    )
+    assert "| hoist.payload_left, payload in the left conveyance | 4321 | kg |" in (
+        tmp_path / "out" / "report.md"
+    ).read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("heard", ["never", "in the run", "while writing"])

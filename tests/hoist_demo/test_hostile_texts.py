@@ -252,6 +252,7 @@ def test_a_run_and_its_data_have_no_element_of_a_text() -> None:
         assert Elements(f'<p title="{html_text(text)}">').tags == [("p", ("title",))]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium found: apt-get install chromium")
 def test_a_browser_makes_no_element_of_a_text(tmp_path: Path) -> None:
     table = pd.DataFrame(

@@ -123,9 +123,8 @@ def test_system_moves_as_the_host_loop_in_process(ssp: Path) -> None:
     assert_allclose(found[:, 4:] / scale[4:], expected[:, 4:] / scale[4:], rtol=0.0, atol=5e-4)
 
 
-@pytest.mark.parametrize(
-    "ssp", [pytest.param("native-2", marks=pytest.mark.slow), "native-3"], indirect=True
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("ssp", ["native-2", "native-3"], indirect=True)
 def test_fixed_step_master_reaches_the_stop_time_of_the_file(ssp: Path) -> None:
     found = wind("master", ssp)
     expected = wind("fmpy_adding", ssp)

@@ -57,6 +57,7 @@ def test_a_swing_tells_friction_between_wires_from_viscous_damping(tmp_path: Pat
     assert max(friction) < 1.1
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 def test_a_released_swivel_ends_stuck_below_its_static_friction(tmp_path: Path) -> None:
     lines = lines_of(EXAMPLES / "swivel_release.py", tmp_path)

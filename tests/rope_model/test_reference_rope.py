@@ -386,7 +386,7 @@ def test_winding_of_the_published_rope_has_the_engines_forces_and_loop() -> None
     assert np.abs(ours - theirs)[:, 2].max() < 0.01
 
 
-@pytest.mark.parametrize("beside", [math.inf, -math.inf])
+@pytest.mark.parametrize("beside", [pytest.param(math.inf, marks=pytest.mark.slow), -math.inf])
 def test_release_within_rounding_of_the_hosts_instant_is_that_at_the_instant(
     beside: float,
 ) -> None:
@@ -646,7 +646,10 @@ def test_calls_and_motions_of_other_ropes_are_refused() -> None:
     assert "right.y = nan" in rope.advance_to(0.02, REST, EndMotion(y=math.nan)).message
 
 
-@pytest.mark.parametrize(("twist", "warned"), [(20.0, "passed_sides"), (3.0, "yaw_at_rest")])
+@pytest.mark.parametrize(
+    ("twist", "warned"),
+    [pytest.param(20.0, "passed_sides", marks=pytest.mark.slow), (3.0, "yaw_at_rest")],
+)
 def test_warnings_that_the_reference_computes_are_the_engines(twist: float, warned: str) -> None:
     rope = Rope(length=30.0, installed_twist=twist)
     scene = Scene(rope=rope, mesh=Mesh("eem", elements=30), model=Model("torsional"))
