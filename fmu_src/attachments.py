@@ -26,7 +26,7 @@ loads libpython3.x (python3.dll on Windows), which the dynamic linker must find,
 the packages; of several Pythons, preload the right one.
 
 The rope is the published system in plain Python, to be read and changed.  The native flavour of this FMU is the
-complete model, is some 50 times as fast and has no such needs: balance-rope export --native.
+complete model, is some 25 times as fast and has no such needs: balance-rope export.
 """
 
 

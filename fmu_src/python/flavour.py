@@ -32,4 +32,4 @@ def require_for_python(scene: Scene) -> None:
     """Raise ValueError if the scene holds more than the published system."""
     text = unpublished(scene)
     if text is not None:
-        raise ValueError(f"{text}: take the native flavour, balance-rope export --native")
+        raise ValueError(f"{text}: take the native flavour, balance-rope export")

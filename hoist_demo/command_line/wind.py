@@ -330,7 +330,7 @@ def _chosen_fmu(options: argparse.Namespace, default: Path | None) -> Path | Non
         return given
     if default.is_file():
         return default
-    cure = "`balance-rope export --native --outputs all` makes it"
+    cure = "`balance-rope export --outputs all` makes it"
     print(
         f"balance-rope: {default} is not there: the rope runs in this process; {cure}",
         file=sys.stderr,
@@ -368,7 +368,7 @@ def _parameters(fmu: Path | None) -> dict[str, Parameter] | None:
         return None
     if not fmu.is_file():
         raise ValueError(
-            f"FMU '{fmu}' is missing: `balance-rope export --native --outputs all --out {fmu}` "
+            f"FMU '{fmu}' is missing: `balance-rope export --outputs all --out {fmu}` "
             "makes it; or give another file with --fmu, or run with --in-process"
         )
     return read_parameters(fmu)

@@ -75,7 +75,7 @@ RUNS: dict[str, tuple[dict[str, Any], tuple[float, ...]]] = {
 }
 
 
-#: what the Python flavour runs, whose rope takes a hundred times as long
+#: what the Python flavour runs, whose rope takes some 25 times as long
 BRIEF = ("plain", "long steps", "yawed by its twist")
 
 
