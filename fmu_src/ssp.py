@@ -214,7 +214,7 @@ def _read(component: Component) -> Element:
 
 
 def _variables(description: Element) -> list[Element]:
-    return list(description.find("ModelVariables") or ())
+    return description.findall("ModelVariables/*")
 
 
 def _ports(component: str, description: Element, types: Mapping[str, str]) -> list[_Port]:

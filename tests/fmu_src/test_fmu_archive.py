@@ -74,7 +74,7 @@ class Archive:
     def structure(self, section: str) -> list[Element]:
         structure = self.root.find("ModelStructure")
         if self.fmi == 2:
-            return list(structure.find(section) or [])
+            return structure.findall(f"{section}/*")
         return structure.findall(section)
 
 
