@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from checkout import HELPERS, QUICK, ROOT
+from checkout import HELPERS, QUICK, ROOT, TESTS
 
 CHECKS = (
     "-g",
@@ -117,7 +117,7 @@ def test_engine_fmus_drive_and_trip_are_clean_under_sanitizers(tmp_path: Path) -
     environment = os.environ | {
         "CC": " ".join((clang, *CHECKS)),
         "BALANCE_ROPE_CACHE": str(tmp_path / "cache"),
-        "PYTHONPATH": os.pathsep.join([*path, str(ROOT), str(HELPERS)]),
+        "PYTHONPATH": os.pathsep.join([*path, str(ROOT), str(HELPERS), str(TESTS / "hoist_demo")]),
         "LD_PRELOAD": f"{tmp_path / 'shallow.so'} {runtime}",
         "ASAN_OPTIONS": "detect_leaks=0:verify_asan_link_order=0",  # Python keeps its memory
         "UBSAN_OPTIONS": "print_stacktrace=1",
