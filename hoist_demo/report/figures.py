@@ -239,7 +239,7 @@ def save_figure(figure: Figure, path: Path) -> Path:
 
 def stacked_panels(titles: Sequence[str]) -> tuple[Figure, list[Axes]]:
     """Return a figure with panels above one another over a common axis."""
-    figure = Figure(figsize=(8.0, 1.75 * len(titles) + 0.5))
+    figure = Figure(figsize=(8.0, 1.75 * len(titles) + 0.5), layout="tight")
     axes: list[Axes] = list(figure.subplots(len(titles), 1, sharex=True, squeeze=False)[:, 0])
     for ax, title in zip(axes, titles, strict=True):
         ax.set_title(title)

@@ -57,15 +57,15 @@ def thin(values: Array, limit: int) -> Array:
     if len(values) <= limit:
         return values
     width = interval(len(values), limit)
-    extremes: list[float] = []
-    for start in range(0, len(values), width):
-        part = values[start : start + width]
-        if np.isnan(part).all():
-            extremes += [math.nan, math.nan]
-        else:
-            places = sorted((int(np.nanargmin(part)), int(np.nanargmax(part))))
-            extremes += [float(part[k]) for k in places]
-    return np.array(extremes)
+    count = math.ceil(len(values) / width)
+    intervals = np.full((count, width), np.nan)
+    intervals.ravel()[: len(values)] = values
+    missing = np.isnan(intervals)
+    lowest = np.where(missing, np.inf, intervals).argmin(axis=1)
+    highest = np.where(missing, -np.inf, intervals).argmax(axis=1)
+    places = np.sort(np.stack([lowest, highest], axis=1), axis=1)
+    extremes: Array = np.take_along_axis(intervals, places, axis=1).ravel()
+    return extremes
 
 
 def thin_times(times: Array, limit: int) -> Array:
