@@ -5,6 +5,9 @@ BIN := $(VENV)/bin
 # both flavours of the rope
 FMU_PYTHON := build/balance_rope.fmu
 FMU_NATIVE := build/balance_rope_native.fmu
+# the environment, and what is installed there: for the product, for tests and evidence, for developers
+MADE := $(VENV)/.made
+PRODUCT := $(VENV)/.product
 READY := $(VENV)/.ready
 DEV := $(VENV)/.dev
 # one process per core, each with one thread; idle ones take over tests; imported modules are compiled to bytecode once
@@ -19,7 +22,7 @@ MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m evidence --measure
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1: \2/p' $(MAKEFILE_LIST) | awk -F ': ' '{ printf "%-12s %s\n", $$1, $$2 }'
 
-demo: $(READY)  ## export both flavours, wind a hoist with the native FMU, compare the Python FMU with it
+demo: $(PRODUCT)  ## export both flavours, wind a hoist with the native FMU, compare the Python FMU with it
 	$(BIN)/balance-rope export --python --native --outputs all --platform host
 	$(BIN)/balance-rope wind --fmu $(FMU_NATIVE) --out out/demo
 	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.flavours $(FMU_PYTHON) $(FMU_NATIVE)
@@ -107,10 +110,17 @@ wheels: $(READY)  ## build the wheel in build/wheels, install it in a fresh envi
 release: $(READY)  ## build everything that is released, in dist
 	$(BIN)/python -m release dist
 
-$(READY): pyproject.toml
+$(MADE):
 	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed; run make PYTHON=python3.12 demo" if sys.version_info < (3, 11) else 0)'
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --upgrade pip
+	touch $@
+
+$(PRODUCT): $(MADE) pyproject.toml
+	$(BIN)/python -m pip install --quiet --no-compile -e '.[compiler]'
+	touch $@
+
+$(READY): $(MADE) pyproject.toml
 	$(BIN)/python -m pip install --quiet --no-compile -e '.[test]'
 	touch $@
 

@@ -90,9 +90,10 @@ def unpacked(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], P
 @pytest.fixture
 def quick_layout(monkeypatch: pytest.MonkeyPatch) -> None:
     """Figures whose layout is not optimised, nor the places of their titles: most of their time."""
-    style = import_module("hoist_demo.report.figures").STYLE
-    monkeypatch.setitem(style, "figure.constrained_layout.use", False)
-    monkeypatch.setitem(style, "axes.titley", 1.0)
+    figures = import_module("hoist_demo.report.figures")
+    monkeypatch.setattr(figures, "PANELS_LAYOUT", "none")
+    monkeypatch.setitem(figures.STYLE, "figure.constrained_layout.use", False)
+    monkeypatch.setitem(figures.STYLE, "axes.titley", 1.0)
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping, Sequence
 from itertools import product
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import matplotlib
 import numpy as np
@@ -35,6 +35,10 @@ STYLE: dict[Any, Any] = {
     **matplotlib.rc_params_from_file(_STYLE_FILE, use_default_template=False),
     "axes.prop_cycle": cycler(color=(*ACCENTS, *COLOURS.values(), "black")),
 }
+
+#: Layout of panels above one another: half the time of the constrained one, which figures with a
+#: legend outside of their axes need.
+PANELS_LAYOUT: Literal["tight", "none"] = "tight"
 
 #: Shortest axis of time of a run that stopped at once [s]: an axis needs a length.
 SHORTEST_AXIS = 1e-9
@@ -239,7 +243,7 @@ def save_figure(figure: Figure, path: Path) -> Path:
 
 def stacked_panels(titles: Sequence[str]) -> tuple[Figure, list[Axes]]:
     """Return a figure with panels above one another over a common axis."""
-    figure = Figure(figsize=(8.0, 1.75 * len(titles) + 0.5), layout="tight")
+    figure = Figure(figsize=(8.0, 1.75 * len(titles) + 0.5), layout=PANELS_LAYOUT)
     axes: list[Axes] = list(figure.subplots(len(titles), 1, sharex=True, squeeze=False)[:, 0])
     for ax, title in zip(axes, titles, strict=True):
         ax.set_title(title)

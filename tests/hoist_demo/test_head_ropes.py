@@ -191,19 +191,19 @@ def test_over_a_sheave_that_is_held_two_weights_fall_as_on_a_capstan() -> None:
     plant = Plant(hoist)
     state = plant.hanging_state(45.0, 45.0, 0.0, 0.0)
     u = PlantInput(float(state.x[0]), 0.0, 0.0)
-    at = plant.run(state, 0.01, u, 150)
+    at = plant.run(state, 0.01, u, 120)
+    before = at[100]
     state = at[-1]
     most = math.exp(0.8 * hoist.friction_coefficient * hoist.wrap_angle)
     heavy = hoist.mass_left
     light = hoist.mass_right
     exact = -GRAVITY * (heavy - most * light) / (heavy + most * light)
     # the weight of 5 kg of ropes, more on one side by some m: of the 60 kN that accelerate them
-    assert (state.slip_state.speed - at[100].slip_state.speed) / 0.5 == pytest.approx(
-        exact, rel=1e-3
-    )
+    gained = state.slip_state.speed - before.slip_state.speed
+    assert gained / 0.2 == pytest.approx(exact, rel=1e-3)
     force = light * (GRAVITY - exact) * (most - 1.0)
-    work = state.work_totals[5:][LINING] - at[100].work_totals[5:][LINING]
-    slid = abs(state.slip_state.slid_distance - at[100].slip_state.slid_distance)
+    work = state.work_totals[5:][LINING] - before.work_totals[5:][LINING]
+    slid = abs(state.slip_state.slid_distance - before.slip_state.slid_distance)
     assert work == pytest.approx(force * slid, rel=1e-3)
 
 
