@@ -91,7 +91,7 @@ def unpacked(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], P
 def quick_layout(monkeypatch: pytest.MonkeyPatch) -> None:
     """Figures whose layout is not optimised, nor the places of their titles: most of their time."""
     figures = import_module("hoist_demo.report.figures")
-    monkeypatch.setattr(figures, "PANELS_LAYOUT", "none")
+    monkeypatch.setattr(figures, "PANELS_LAYOUT", None)
     monkeypatch.setitem(figures.STYLE, "figure.constrained_layout.use", False)
     monkeypatch.setitem(figures.STYLE, "axes.titley", 1.0)
 

@@ -38,7 +38,7 @@ STYLE: dict[Any, Any] = {
 
 #: Layout of panels above one another: half the time of the constrained one, which figures with a
 #: legend outside of their axes need.
-PANELS_LAYOUT: Literal["tight", "none"] = "tight"
+PANELS_LAYOUT: Literal["tight"] | None = "tight"
 
 #: Shortest axis of time of a run that stopped at once [s]: an axis needs a length.
 SHORTEST_AXIS = 1e-9
