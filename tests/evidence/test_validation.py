@@ -136,6 +136,7 @@ def test_a_schedule_is_as_good_between_its_heights_as_promised_at_them(part: int
     assert degrees < 5.0
 
 
+@pytest.mark.slow
 def test_a_rope_that_flows_moves_its_loop_as_in_a_trip() -> None:
     case = smooth(find_case("rope-120"))
     at = 0.5

@@ -163,6 +163,7 @@ def test_csv_reads_back_to_ten_digits_with_its_units(short: Result, tmp_path: Pa
 
 
 @pytest.mark.usefixtures("quick_layout")
+@pytest.mark.usefixtures("quick_layout")
 def test_the_same_run_writes_the_same_bytes(short: Result, tmp_path: Path) -> None:
     again = _run(FakeRope(shows_shape=True), Winding(travel=2.0, settle=1.0))
     written = []

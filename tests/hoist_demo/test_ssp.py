@@ -310,6 +310,7 @@ def test_each_rope_pulls_at_an_input_of_its_own_and_all_follow_the_same_motion(r
         )
 
 
+@pytest.mark.slow
 def test_system_of_ropes_moves_as_their_group_in_process(ropes: Path) -> None:
     found = wind("fmpy_adding", ropes, FEW, *SIGNALS)
     read = ropes_in(ropes.with_name("ropes.toml"))

@@ -149,6 +149,7 @@ def test_a_wind_that_presses_one_rope_on_the_other_pulls_at_both() -> None:
     assert pull + momentum == pytest.approx(impulse, rel=0.05)
 
 
+@pytest.mark.slow
 def test_ropes_that_hang_into_each_other_are_led_apart_gently() -> None:
     places = [(0.0, 0.0, 0.0), (0.3, 0.0, 0.5 * D)]
     neighbours, ropes, partners = begun([SCENE, SCENE], (0.0, 0.0), places)

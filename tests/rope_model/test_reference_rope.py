@@ -305,7 +305,7 @@ def run(name: str, form: str, h: float) -> Array:
 
 
 #: what the quick ones stand for: the same laws with fewer terms, and quicker motions
-LONG = ("uncoupled", "emergency stop")
+LONG = ("uncoupled", "emergency stop", "twisted")
 LIMITS = [pytest.param(x, marks=slow_if(x in LONG)) for x in CASES]
 
 
