@@ -20,6 +20,7 @@
 
 #include "formulas.h"
 #include "messages.h"
+#include "partition.h"
 #include "rope.h"
 #include "rules.h"
 #include "state.h"
@@ -114,4 +115,13 @@ void ends_prescribed_motion(const Scene *scene, const State *state, int side, do
     path_lean_motion(&state->paths[side], t, leans);
     clamp_axis(leans[0], leans[1], n);
     for (int k = 0; k < 9; k++) rows[k / 3][SLOPE + k % 3] = -SENSE_OF_YAW[side] * n[k / 3][k % 3];
+}
+
+double bottom_arc_length(const Scene *scene, const Path paths[2], double t) {
+    const double left = path_height(&paths[LEFT], t), right = path_height(&paths[RIGHT], t);
+    return 0.5 * (scene->rope.length + left - right);
+}
+
+void dividers_on_rope(const Scene *scene, const Path paths[2], double t, double *divider_s) {
+    mesh_dividers(scene, path_height(&paths[LEFT], t), path_height(&paths[RIGHT], t), divider_s);
 }

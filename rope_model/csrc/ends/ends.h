@@ -38,5 +38,9 @@ double ends_moment(const Scene *scene, const State *state, const NodalArrays *no
 void ends_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]);
 /* Prescribed q, v and a of an end. */
 void ends_prescribed_motion(const Scene *scene, const State *state, int side, double t, double rows[3][DOF]);
+/* Return the arc length of the loop's lowest point from the heights of the ends at t. */
+double bottom_arc_length(const Scene *scene, const Path paths[2], double t);
+/* Call mesh_dividers with the heights of the ends at t. */
+void dividers_on_rope(const Scene *scene, const Path paths[2], double t, double *divider_s);
 
 #endif

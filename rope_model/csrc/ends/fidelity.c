@@ -11,11 +11,6 @@
 
 static const char *const INPUTS[] = END_MOTION_NAMES;
 
-const char *fidelity_name(int fidelity) {
-    static const char *const names[] = FIDELITY_WORDS;
-    return names[fidelity];
-}
-
 /* Write name and value of an input into text (MESSAGE bytes). */
 static void input_text(const EndMotion ends[2], int index, char *text) {
     const int side = (index - 1) / END_MOTIONS, place = (index - 1) % END_MOTIONS;

@@ -4,7 +4,6 @@
 
 #include "rope.h"
 
-const char *fidelity_name(int fidelity);
 int choose_fidelity(const Scene *scene, const EndMotion ends[2], int forces, char *reason);
 int lowest_sufficient(const Scene *scene, const EndMotion ends[2], int forces);
 void unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2], int forces, char *cause);

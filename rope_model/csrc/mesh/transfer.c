@@ -42,6 +42,17 @@ void transfer_interpolate(int nodes, const double *x, const double *s, int count
     }
 }
 
+int middle_before(int nodes, const double *s, int k, double place) {
+    while (k < nodes - 2 && 0.5 * (s[k + 1] + s[k + 2]) <= place) k++;
+    return k;
+}
+
+double interpolate_midpoints(int nodes, const double *s, int k, double place, double value, double next) {
+    double middle = 0.5 * (s[k] + s[k + 1]);
+    if (k == nodes - 2 || place <= middle) return value;
+    return (next - value) / (0.5 * (s[k + 1] + s[k + 2]) - middle) * (place - middle) + value;
+}
+
 /* Add integrals of products of two shape functions to band (2 nodes x CUBIC), as solve_banded takes them. */
 static void cubic_products(int nodes, const double *s, double *band) {
     for (int e = 0; e < nodes - 1; e++, band += 2 * CUBIC) {

@@ -5,9 +5,9 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "diagnostics.h"
 #include "ends.h"
 #include "formulas.h"
+#include "loop.h"
 #include "rope.h"
 #include "shaft.h"
 #include "state.h"

@@ -2,7 +2,7 @@
 #ifndef GUARDS_H
 #define GUARDS_H
 
-#include "diagnostics.h"
+#include "loop.h"
 #include "state_structures.h"
 
 /* Return the height of the loop's bottom above its quasi-static position, m. */

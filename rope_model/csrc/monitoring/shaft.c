@@ -19,8 +19,8 @@
 #include <stddef.h>
 
 #include "bodies.h"
-#include "diagnostics.h"
 #include "formulas.h"
+#include "loop.h"
 #include "rope.h"
 #include "self_contact.h"
 #include "state.h"

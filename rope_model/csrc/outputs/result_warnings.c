@@ -3,9 +3,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "diagnostics.h"
 #include "ends.h"
 #include "formulas.h"
+#include "loop.h"
 #include "messages.h"
 #include "rope.h"
 #include "rules.h"

@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "adaptation.h"
+#include "communication_step.h"
 #include "ends.h"
 #include "formulas.h"
 #include "host_step.h"

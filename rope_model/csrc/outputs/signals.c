@@ -1,9 +1,8 @@
 /* Values of the rope's outputs, by the names of signals.signal_table. */
 
-#include "signals.h"
-
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "contact_balance.h"
@@ -11,16 +10,19 @@
 #include "ends.h"
 #include "formulas.h"
 #include "guards.h"
+#include "loop.h"
 #include "partition.h"
 #include "rigid.h"
 #include "rope.h"
 #include "rope_system.h"
+#include "sensitivity.h"
 #include "shaft.h"
 #include "signal_numbers.h"
 #include "simulator.h"
 #include "state.h"
 #include "state_structures.h"
 #include "system.h"
+#include "transfer.h"
 
 #include "state_signals.h" /* state_signals: generated */
 
@@ -188,8 +190,18 @@ static void station_signals(Simulator *sim, double *values) {
     points_at(sim->state, places, values + SIGNAL_STATION_X_1);
 }
 
-SignalGroup group_of(int signal) {
+/* Return a signal; the first call after a change of state computes its group. */
+static double value_of(Simulator *sim, int signal) {
     static const signed char groups[] = SIGNAL_GROUPS;
+    /* each writes the values of its group into (SIGNALS) */
     static void (*const compute[])(Simulator *, double *) = GROUP_FUNCTIONS;
-    return (SignalGroup){groups[signal], compute[(int)groups[signal]]};
+    if (!sim->initialized || signal < 0 || signal >= SIGNALS) return NAN;
+    const int group = groups[signal];
+    if (!(sim->computed_groups & 1u << group)) compute[group](sim, sim->values);
+    sim->computed_groups |= 1u << group;
+    return sim->values[signal];
+}
+
+void rope_signals(Simulator *sim, size_t count, const int *signals, double *values) {
+    for (size_t k = 0; k < count; k++) values[k] = value_of(sim, signals[k]);
 }

@@ -1,9 +1,6 @@
-/* Rigid rope, the lowest fidelity: physics.inextensible between the ends, and the transition to a flexible rope.
+/* Rigid rope, the lowest fidelity: physics.inextensible between the ends.
 
-   It has no side forces, torque or waves and serves the design of controllers. The rope must stay taut.
-
-   The flexible rope that replaces it starts from the equilibrium between the ends of that instant and moves with
-   it. */
+   It has no side forces, torque or waves and serves the design of controllers. The rope must stay taut. */
 
 #include "rigid.h"
 
@@ -14,10 +11,28 @@
 #include "formulas.h"
 #include "messages.h"
 #include "rope.h"
-#include "rope_system.h"
-#include "simulator.h"
 #include "state_structures.h"
-#include "statics.h"
+#include "transfer.h"
+
+RopeStatus hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q,
+                         char *message) {
+    message[0] = '\0';
+    double length = s[nodes - 1];
+    double across[3] = {right[0] - left[0], 0.0, right[2] - left[2]};
+    double width = hypot(across[0], across[2]);
+    if (width == 0) return say_ends_above_each_other(message, fabs(left[1] - right[1]));
+    for (int axis = 0; axis < 3; axis++) across[axis] /= width;
+    double middle = 0.5 * (length + left[1] - right[1]); /* arc length of the lowest point */
+    /* length of the elements there */
+    const int e = middle_before(nodes, s, 0, middle);
+    const double cell =
+        interpolate_midpoints(nodes, s, e, middle, s[e + 1] - s[e], e < nodes - 2 ? s[e + 2] - s[e + 1] : 0.0);
+    InitialShape legs = initial_shape(length, middle, width, cell);
+    if (minimum(legs.left_leg, legs.right_leg) <= legs.lean)
+        return say_rope_too_short(message, length, width, fabs(left[1] - right[1]));
+    for (int k = 0; k < nodes; k++) initial_node_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
+    return ROPE_DONE;
+}
 
 /* Velocities v (nodes x DOF) of the flow along the rope q (nodes x DOF). */
 static void flow_velocities(int nodes, const double *q, Flow flow, double *v) {
@@ -58,55 +73,4 @@ void rigid_tension(const NodalArrays *arrays, double rho, double gravity, int po
     Flow rate = rigid_flow(arrays->a[1], arrays->a[(arrays->nodes - 1) * DOF + 1]);
     for (int k = 0; k < points; k++)
         tension[k] = rigid_tension_at(rho, gravity, &rate, arrays->reaction[1], y[k] - arrays->q[1], places[k]);
-}
-
-/* Refer theta of an equilibrium q, which is referred to q, to the rigid rope. */
-static void count_from_rigid(Simulator *sim, State *state, const double *rigid, double *q) {
-    const size_t size = (size_t)(state->elements + 1) * DOF;
-    double *moved = sim->trial.q, *zeros = sim->trial.v;
-    memcpy(moved, q, sizeof(double) * size);
-    memset(zeros, 0, sizeof(double) * size);
-    rope_system_refer(sim, state, rigid);
-    rope_system_transport(sim, state, moved, zeros, zeros, zeros);
-    for (size_t i = ANGLE; i < size; i += DOF) q[i] -= moved[i] - q[i];
-}
-
-RopeStatus flexible_start(Simulator *sim, State *state, char *message) {
-    const NodalArrays nodal = state_arrays(state);
-    const size_t size = (size_t)nodal.nodes * DOF, bytes = sizeof(double) * size;
-    const double t = state->t, offset = state->offsets[RIGHT];
-    /* b and a_rate are scratch until the restart. */
-    double *q = nodal.b, *reaction = nodal.a_rate, *const all[3] = {nodal.q, nodal.v, nodal.a};
-    const Path paths[2] = {state->paths[LEFT], state->paths[RIGHT]};
-    double director[3];
-    memcpy(director, state->director, sizeof director);
-    memcpy(sim->spare, state, sim->state_bytes);
-    const double *rigid = state_arrays(sim->spare).q;
-    for (int side = LEFT; side <= RIGHT; side++) state->paths[side] = path_coasting(&paths[side], t);
-    sim->corrections = sim->solutions = 0;
-    RopeStatus found = find_equilibrium(sim, state, INFINITY, message);
-    const double turned = state->offsets[RIGHT];
-    memcpy(q, nodal.q, bytes);
-    memcpy(reaction, nodal.reaction, bytes);
-    for (int k = 1; k < 3 && found; k++) { /* equilibria just before and after t */
-        state->t = k == 1 ? t - DIFFERENCE : t + DIFFERENCE;
-        state->offsets[RIGHT] = turned;
-        memcpy(nodal.q, q, bytes);
-        found = find_equilibrium(sim, state, INFINITY, message);
-        memcpy(all[k], nodal.q, bytes);
-    }
-    state->t = t;
-    state->offsets[RIGHT] = offset;
-    memcpy(state->paths, paths, sizeof paths);
-    memcpy(nodal.q, q, bytes);
-    memcpy(nodal.reaction, reaction, bytes);
-    for (int k = 0; k < 3 && found; k++) count_from_rigid(sim, state, rigid, all[k]);
-    memcpy(state->director, director, sizeof director);
-    rope_system_refer(sim, state, rigid);
-    for (size_t i = 0; i < size; i++) {
-        const double before = nodal.v[i], after = nodal.a[i];
-        nodal.v[i] = (after - before) / (2 * DIFFERENCE);
-        nodal.a[i] = (after - 2 * nodal.q[i] + before) / (DIFFERENCE * DIFFERENCE);
-    }
-    return found;
 }

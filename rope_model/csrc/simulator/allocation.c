@@ -8,12 +8,12 @@
 #include <string.h>
 
 #include "chain.h"
+#include "communication_step.h"
 #include "formulas.h"
 #include "messages.h"
 #include "obstacles.h"
 #include "rope.h"
 #include "self_contact.h"
-#include "sensitivity.h"
 #include "simulator.h"
 #include "state_structures.h"
 

@@ -7,12 +7,11 @@
 #include <stdint.h>
 
 #include "chain.h"
-#include "diagnostics.h"
+#include "communication_step.h"
 #include "formulas.h"
-#include "host_step.h"
+#include "loop.h"
 #include "obstacles.h"
 #include "self_contact.h"
-#include "sensitivity.h"
 #include "signal_numbers.h"
 #include "state_structures.h"
 
@@ -46,7 +45,7 @@ struct Simulator {
     unsigned computed_groups; /* bit g: the values of group g belong to the state */
     LoopBottom bottom;
     bool bottom_known;
-    int nearest_blocks[2]; /* nearest_blocks: `pair` of leg_clearance */
+    int nearest_blocks[2]; /* `pair` of leg_clearance */
     int64_t newton_limit;  /* Newton iterations after which the present advance gives up accuracy */
     int64_t corrections;   /* Newton corrections of all equilibria of the present start */
     int64_t solutions;     /* and solutions of the chain's equations for contact of the rope with itself */

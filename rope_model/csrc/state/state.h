@@ -1,11 +1,10 @@
-/* The state as a block of bytes, and rows of its arrays. */
+/* Fields and events of the state, and rows of its arrays. */
 #ifndef STATE_H
 #define STATE_H
 
-#include <stdbool.h>
 #include <stddef.h>
 
-#include "host_step.h"
+#include "rope.h"
 #include "state_structures.h"
 
 /* Return the row of an end in x (nodes x DOF). */
@@ -21,10 +20,6 @@ static inline int lowest_node(int nodes, const double *q) {
     return lowest;
 }
 
-/* True if the step can have led from `start` to `state`. */
-bool host_step_plausible(const HostStep *host, const State *start, const State *state);
-/* True if restored bytes can be a state of this rope.  Overwrites sim->trial. */
-bool state_plausible(const Simulator *sim, State *state);
 /* Copy q, v, a, b, a_rate and reaction. */
 void copy_fields(const NodalArrays *to, const NodalArrays *from);
 void record_event(State *state, int what, int which, double kinetic, double potential);

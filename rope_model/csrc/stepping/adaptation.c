@@ -7,12 +7,14 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "ends.h"
 #include "fidelity.h"
+#include "fidelity_name.h"
+#include "flexible_start.h"
 #include "formulas.h"
 #include "messages.h"
 #include "newton.h"
 #include "partition.h"
-#include "rigid.h"
 #include "rope.h"
 #include "rope_system.h"
 #include "rules.h"

@@ -26,6 +26,7 @@
 #include "formulas.h"
 #include "messages.h"
 #include "obstacles.h"
+#include "rigid.h"
 #include "rope.h"
 #include "rope_system.h"
 #include "rules.h"

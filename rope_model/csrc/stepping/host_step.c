@@ -9,6 +9,7 @@
 #include "adaptation.h"
 #include "ends.h"
 #include "fidelity.h"
+#include "fidelity_name.h"
 #include "formulas.h"
 #include "guards.h"
 #include "messages.h"

@@ -26,7 +26,6 @@
 
 #include "chain.h"
 #include "curvature.h"
-#include "diagnostics.h"
 #include "formulas.h"
 #include "messages.h"
 #include "rope.h"
@@ -116,24 +115,4 @@ RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char 
         tau = fmin(tau, 1e12);
     }
     return say_no_equilibrium(message, k, previous);
-}
-
-RopeStatus hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q,
-                         char *message) {
-    message[0] = '\0';
-    double length = s[nodes - 1];
-    double across[3] = {right[0] - left[0], 0.0, right[2] - left[2]};
-    double width = hypot(across[0], across[2]);
-    if (width == 0) return say_ends_above_each_other(message, fabs(left[1] - right[1]));
-    for (int axis = 0; axis < 3; axis++) across[axis] /= width;
-    double middle = 0.5 * (length + left[1] - right[1]); /* arc length of the lowest point */
-    /* length of the elements there */
-    const int e = middle_before(nodes, s, 0, middle);
-    const double cell =
-        interpolate_midpoints(nodes, s, e, middle, s[e + 1] - s[e], e < nodes - 2 ? s[e + 2] - s[e + 1] : 0.0);
-    InitialShape legs = initial_shape(length, middle, width, cell);
-    if (minimum(legs.left_leg, legs.right_leg) <= legs.lean)
-        return say_rope_too_short(message, length, width, fabs(left[1] - right[1]));
-    for (int k = 0; k < nodes; k++) initial_node_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
-    return ROPE_DONE;
 }

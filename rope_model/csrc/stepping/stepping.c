@@ -9,6 +9,8 @@
 #include <string.h>
 
 #include "adaptation.h"
+#include "communication_step.h"
+#include "ends.h"
 #include "events.h"
 #include "formulas.h"
 #include "generalized_alpha.h"
@@ -16,7 +18,6 @@
 #include "rigid.h"
 #include "rope.h"
 #include "rules.h"
-#include "sensitivity.h"
 #include "simulator.h"
 #include "state_structures.h"
 #include "switching.h"

@@ -4,13 +4,9 @@
 
 #include <stdbool.h>
 
+#include "communication_step.h"
 #include "generalized_alpha.h"
 #include "state_structures.h"
-
-/* Phases of both swivels, and the senses of their slips. */
-typedef struct {
-    signed char phase[2], sign[2];
-} Phases;
 
 void release_swivels(Simulator *sim, State *state);
 double next_release(const Scene *scene, const State *state);

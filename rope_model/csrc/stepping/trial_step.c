@@ -12,7 +12,6 @@
 #include "formulas.h"
 #include "generalized_alpha.h"
 #include "obstacles.h"
-#include "partition.h"
 #include "rope.h"
 #include "rope_system.h"
 #include "simulator.h"
@@ -137,15 +136,6 @@ void restart_motion(Simulator *sim, State *state) {
 
 void update_angles(Simulator *sim, State *state, double *q, double *v, double *a, double *b) {
     state->offsets[RIGHT] += rope_system_transport(sim, state, q, v, a, b);
-}
-
-double bottom_arc_length(const Scene *scene, const Path paths[2], double t) {
-    const double left = path_height(&paths[LEFT], t), right = path_height(&paths[RIGHT], t);
-    return 0.5 * (scene->rope.length + left - right);
-}
-
-void dividers_on_rope(const Scene *scene, const Path paths[2], double t, double *divider_s) {
-    mesh_dividers(scene, path_height(&paths[LEFT], t), path_height(&paths[RIGHT], t), divider_s);
 }
 
 void rope_powers(const Scene *scene, State *state) {
