@@ -13,6 +13,7 @@
 #include "bodies.h"
 #include "formulas.h"
 #include "rope.h"
+#include "state.h"
 #include "system.h"
 
 void remember_configuration(const System *sys, ClearanceCache *cache, const double *q) {
@@ -33,8 +34,9 @@ bool clearance_exceeds(const System *sys, const ClearanceCache *cache, const dou
 
 static void place_bodies(const System *sys, const double *q, const double *v) {
     Obstacles *obstacles = sys->obstacles;
-    const size_t last = (size_t)sys->elements * DOF;
-    const double *const ends[2] = {q, q + last}, *const speeds[2] = {v, v + last};
+    const int nodes = sys->elements + 1;
+    const double *const ends[2] = {q, end_row(q, nodes, RIGHT)};
+    const double *const speeds[2] = {v, end_row(v, nodes, RIGHT)};
     obstacles->bodies = placed_bodies(&obstacles->scene->shaft, ends, obstacles->placed);
     for (int k = 0; k < obstacles->bodies; k++) {
         const int end = obstacles->placed[k].moves_with;

@@ -14,13 +14,13 @@
 #include "state_structures.h"
 
 double guards_rise(const Scene *scene, const State *state, const NodalArrays *nodal, const LoopBottom *bottom) {
-    const double left = nodal->q[1], right = nodal->q[(size_t)nodal->elements * DOF + 1];
+    const double left = nodal->q[1], right = end_row(nodal->q, nodal->nodes, RIGHT)[1];
     return loop_height(&scene->rope, &scene->layout, bottom->position[1], left, right) - state->guard.rest;
 }
 
 /* Return the distance of the lowest point from the middle between the ends; with a window, that of a leg from plumb. */
 static double guards_sideways(const NodalArrays *nodal, double height, const LoopBottom *bottom) {
-    const double *last = nodal->q + (size_t)nodal->elements * DOF;
+    const double *last = end_row(nodal->q, nodal->nodes, RIGHT);
     const double *lowest = nodal->q + (size_t)lowest_node(nodal->nodes, nodal->q) * DOF;
     double farthest = 0;
     if (height <= -FAR) return sideways(bottom->position, nodal->q, last);

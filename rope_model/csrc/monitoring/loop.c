@@ -14,7 +14,7 @@
 #include "transfer.h"
 
 double ends_yaw(const NodalArrays *nodal) {
-    return line_yaw(nodal->q, nodal->q + (ptrdiff_t)DOF * nodal->elements);
+    return line_yaw(nodal->q, end_row(nodal->q, nodal->nodes, RIGHT));
 }
 
 LoopBottom loop_bottom(int nodes, const double *q, const double *s) {
@@ -75,8 +75,9 @@ static double climb_at(const Climb *leg, double height, int axis) {
 
 bool legs_apart(const NodalArrays *nodal, const double across[2], double diameter, double above) {
     const int lowest = lowest_node(nodal->nodes, nodal->q);
-    const double *left = nodal->q, *low = left + (ptrdiff_t)DOF * lowest,
-                 *right = left + (ptrdiff_t)DOF * nodal->elements;
+    const double *left = nodal->q;
+    const double *low = left + (ptrdiff_t)DOF * lowest;
+    const double *right = end_row(left, nodal->nodes, RIGHT);
     double normal[3];
     bool apart = 0 < lowest && lowest < nodal->elements;
     int k = 0;

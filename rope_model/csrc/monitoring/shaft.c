@@ -65,7 +65,7 @@ static void refine(NearestSearch *search, double s, double length, const double 
 /* Begin a search for each body from the known nearest places; return their number. */
 static int searches_of(const Scene *scene, const NodalArrays *nodal, double t, const Nearest nearest[KINDS],
                        NearestSearch *searches) {
-    const double *const ends[2] = {nodal->q, nodal->q + (size_t)nodal->elements * DOF};
+    const double *const ends[2] = {nodal->q, end_row(nodal->q, nodal->nodes, RIGHT)};
     Placed bodies[MAX_BODIES];
     const int count = placed_bodies(&scene->shaft, ends, bodies);
     const int lowest = count > 0 ? lowest_node(nodal->nodes, nodal->q) : 0;

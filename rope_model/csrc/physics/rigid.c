@@ -11,6 +11,7 @@
 #include "formulas.h"
 #include "messages.h"
 #include "rope.h"
+#include "state.h"
 #include "state_structures.h"
 #include "transfer.h"
 
@@ -58,7 +59,7 @@ RopeStatus rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int
     for (int i = 0; i < nodes * DOF; i++) a[i] = reaction[i] = 0.0;
     for (int side = LEFT; side <= RIGHT; side++) {
         const EndMotion *end = &ends[side];
-        const int row = side == LEFT ? 0 : (nodes - 1) * DOF;
+        const size_t row = end_index(nodes, side);
         const double speed[3] = {end->vx, end->vy, end->vz};
         const double acceleration[3] = {end->ax, end->ay, end->az};
         memcpy(v + row, speed, sizeof speed);
@@ -70,7 +71,7 @@ RopeStatus rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int
 
 void rigid_tension(const NodalArrays *arrays, double rho, double gravity, int points, const double *places,
                    const double *y, double *tension) {
-    Flow rate = rigid_flow(arrays->a[1], arrays->a[(arrays->nodes - 1) * DOF + 1]);
+    Flow rate = rigid_flow(arrays->a[1], end_row(arrays->a, arrays->nodes, RIGHT)[1]);
     for (int k = 0; k < points; k++)
         tension[k] = rigid_tension_at(rho, gravity, &rate, arrays->reaction[1], y[k] - arrays->q[1], places[k]);
 }

@@ -1,4 +1,4 @@
-/* Equations of motion of a state: its elements (physics.element) chained by block_chain.inc.
+/* Equations of motion of a state: its elements (physics.element) chained by block_elimination.inc.
 
    A System is made for one state and one set of boundary conditions; a change of any of them makes a new one. */
 
@@ -20,6 +20,7 @@
 #include "rules.h"
 #include "self_contact.h"
 #include "simulator.h"
+#include "state.h"
 #include "state_structures.h"
 #include "system.h"
 #include "wires.h"
@@ -91,7 +92,7 @@ double rope_system_transport(Simulator *sim, State *state, double *q, double *v,
 void rope_system_prescribed_motion(const Scene *scene, const State *state, const System *sys, double t, int orders,
                                    double *const x[]) {
     for (int side = LEFT; side <= RIGHT; side++) {
-        const size_t row = side ? (size_t)sys->elements * DOF : 0;
+        const size_t row = end_index(sys->elements + 1, side);
         double rows[3][DOF];
         ends_prescribed_motion(scene, state, side, t, rows);
         for (int k = 0; k < orders; k++)

@@ -7,9 +7,14 @@
 #include "rope.h"
 #include "state_structures.h"
 
+/* Return the index at which the row of an end begins in an array (nodes x DOF). */
+static inline size_t end_index(int nodes, int side) {
+    return side == LEFT ? 0 : (size_t)(nodes - 1) * DOF;
+}
+
 /* Return the row of an end in x (nodes x DOF). */
 static inline const double *end_row(const double *x, int nodes, int side) {
-    return x + (side ? (size_t)(nodes - 1) * DOF : 0);
+    return x + end_index(nodes, side);
 }
 
 /* Return the node with the least height. */

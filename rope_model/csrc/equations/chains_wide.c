@@ -10,7 +10,7 @@
 #endif
 #define LANES 4
 #define FORM(name) name##_wide
-#include "rope_kernels_form.inc"
+#include "chains_of_form.inc"
 #if defined(__clang__)
 #pragma clang attribute pop
 #endif

@@ -17,7 +17,7 @@
 #endif
 #define LANES 8
 #define FORM(name) name##_widest
-#include "rope_kernels_form.inc"
+#include "chains_of_form.inc"
 #if defined(__clang__)
 #pragma clang attribute pop
 #endif
