@@ -12,8 +12,10 @@
 #include "system.h"
 
 typedef struct {
-    const double *a, *b; /* rows of the nodes */
-    double l, diameter;
+    const double *a; /* row of the left node */
+    const double *b; /* row of the right one */
+    double l;
+    double diameter;
     const Body *body;
 } ContactPair;
 

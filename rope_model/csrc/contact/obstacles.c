@@ -23,7 +23,8 @@ void remember_configuration(const System *sys, ClearanceCache *cache, const doub
 }
 
 bool clearance_exceeds(const System *sys, const ClearanceCache *cache, const double *q, double least) {
-    const double *before = cache->q, *l = sys->lengths;
+    const double *before = cache->q;
+    const double *l = sys->lengths;
     if (!(cache->free > least) || memcmp(cache->lengths, l, sizeof(double) * (size_t)sys->elements) != 0) return false;
     for (int node = 0; node <= sys->elements; node++, q += DOF, before += DOF) {
         const double longest = maximum(l[node > 0 ? node - 1 : 0], l[node < sys->elements ? node : node - 1]);
@@ -57,7 +58,8 @@ static bool search_elements(const System *sys, const double *q, int k, int first
     const int side = obstacles->placed[k].moves_with;
     bool added = false;
     for (int e = first; e < last; along += sys->lengths[e++]) {
-        const double middle = along + 0.5 * sys->lengths[e], *x = q + (size_t)e * DOF;
+        const double middle = along + 0.5 * sys->lengths[e];
+        const double *x = q + (size_t)e * DOF;
         double box[6];
         if (side != FIXED && (side == LEFT ? middle : total - middle) < UNCHECKED_LENGTH) continue;
         enclosing_box(sys->lengths[e], x, x + DOF, box);

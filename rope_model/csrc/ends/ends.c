@@ -44,7 +44,8 @@ static int largest(int axes, const double *sizes) {
 
 double end_strain(const Scene *scene, int nodes, const double *q, const double *x, int side) {
     const int attachment = scene->swivels[side].attachment, to_next = attachment != CLAMPED ? 0 : side ? -DOF : DOF;
-    const double *t = end_row(q, nodes, side) + to_next + SLOPE, *y = end_row(x, nodes, side) + to_next + SLOPE;
+    const double *t = end_row(q, nodes, side) + to_next + SLOPE;
+    const double *y = end_row(x, nodes, side) + to_next + SLOPE;
     return attachment == PLUMB ? y[1] : dot(y, t) / sqrt(dot(t, t));
 }
 

@@ -18,7 +18,8 @@ static void input_text(const EndMotion ends[2], int index, char *text) {
 }
 
 void unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2], int forces, char *cause) {
-    const EndMotion *left = &ends[LEFT], *right = &ends[RIGHT];
+    const EndMotion *left = &ends[LEFT];
+    const EndMotion *right = &ends[RIGHT];
     cause[0] = '\0';
     if (fidelity == TORSIONAL) return;
     const int index = (int)unsupported_input(scene, fidelity, left, right);
@@ -41,7 +42,8 @@ int lowest_sufficient(const Scene *scene, const EndMotion ends[2], int forces) {
 }
 
 int choose_fidelity(const Scene *scene, const EndMotion ends[2], int forces, char *reason) {
-    const EndMotion *left = &ends[LEFT], *right = &ends[RIGHT];
+    const EndMotion *left = &ends[LEFT];
+    const EndMotion *right = &ends[RIGHT];
     char why[MESSAGE], below[MESSAGE] = "";
     if (scene->model.fidelity != AUTO_FIDELITY) {
         say_as_set(reason);

@@ -1,4 +1,4 @@
-/* Operations on a chain of elements, with a table of them for each fidelity. */
+/* Operations on a chain of elements, with a table of them for each fidelity: chain_of_fidelity.inc. */
 #ifndef CHAIN_H
 #define CHAIN_H
 

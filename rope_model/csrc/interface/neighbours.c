@@ -23,7 +23,8 @@ void rope_apply(Simulator *sim, const PointForces *forces) {
 void rope_rows(const Simulator *sim, double (*rows)[13]) {
     const NodalArrays nodal = state_arrays(sim->state);
     for (int node = 0; node < nodal.nodes; node++) {
-        const double *q = nodal.q + (size_t)node * DOF, *v = nodal.v + (size_t)node * DOF;
+        const double *q = nodal.q + (size_t)node * DOF;
+        const double *v = nodal.v + (size_t)node * DOF;
         rows[node][0] = nodal.s[node];
         memcpy(rows[node] + 1, q, ANGLE * sizeof *q);
         memcpy(rows[node] + 1 + ANGLE, v, ANGLE * sizeof *v);
@@ -39,7 +40,8 @@ RopeStatus rope_displacement(Simulator *sim, const PointForces *forces, double (
     const Coefficients method = {sim->scene.solver.rho_inf};
     System sys = rope_system(sim, state);
     sys.time = forces->start;
-    double c[3], *const answers[2] = {sim->trial.q, sim->x};
+    double c[3];
+    double *const answers[2] = {sim->trial.q, sim->x};
     newton_coefficients(&method, state->last_interval, c);
     for (int k = 0; k < 2; k++) {
         sys.forces = k == 0 ? NULL : forces;

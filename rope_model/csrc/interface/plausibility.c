@@ -53,7 +53,8 @@ static bool partition_plausible(const Scene *scene, const Mesh *mesh, const Stat
                                 const NodalArrays *scratch) {
     const double length = scene->rope.length, rounding = 1e-12 * length;
     const Pattern *pattern = &state->pattern;
-    double *lengths = scratch->q, *s = scratch->v;
+    double *lengths = scratch->q;
+    double *s = scratch->v;
     double divider_s[DIVIDERS];
     Pattern expected;
     mesh_dividers(scene, 0, 0, divider_s);

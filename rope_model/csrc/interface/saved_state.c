@@ -27,7 +27,8 @@ void rope_save(const Simulator *sim, void *to) {
 
 RopeStatus rope_restore(Simulator *sim, const void *from, size_t bytes) {
     const char *saved = from;
-    State *state = sim->next, *start = sim->spare;
+    State *state = sim->next;
+    State *start = sim->spare;
     HostStep last;
     if (bytes != rope_state_bytes(sim))
         return say_wrong_number_of_bytes(sim->message, (int)bytes, (int)rope_state_bytes(sim));

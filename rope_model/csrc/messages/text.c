@@ -1,3 +1,5 @@
+/* Numbers in messages: the C library's text, made that of Python. */
+
 #include "text.h"
 
 #include <math.h>
@@ -16,7 +18,8 @@ static bool not_finite(char *buffer, double x) {
 
 /* Put a point for the decimal separator, of one or more bytes, of the host's locale. */
 static const char *with_point(char *buffer) {
-    char *at = buffer + strspn(buffer, "+-0123456789eE."), *rest;
+    char *at = buffer + strspn(buffer, "+-0123456789eE.");
+    char *rest;
     if (!*at) return buffer;
     rest = at + 1 + strcspn(at + 1, "0123456789eE");
     *at = '.';

@@ -4,8 +4,9 @@
 
 enum { NUMBER = 40 };
 
-/* Print f"{x:.{digits}g}" or f"{x!r}" of Python; return room. */
+/* Print f"{x:.{digits}g}" into the buffer, as Python does; return the buffer. */
 const char *text_number(char buffer[NUMBER], double x, int digits);
+/* The same for f"{x!r}". */
 const char *text_exact(char buffer[NUMBER], double x);
 
 /* texts that last to the end of the block */

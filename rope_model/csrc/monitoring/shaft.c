@@ -1,6 +1,4 @@
-/* The rope among the bodies of its scene.
-
-   Clearances of the rope from the bodies of its scene, and passages of the rope through itself.
+/* Clearances of the rope from the bodies of its scene, and passages of the rope through itself.
 
    The clearance from a kind of bodies is the least distance of the rope's surface from them, over the whole
    centre line. A piece of an element is halved as long as the upright box about it is nearer to the body than the
@@ -10,7 +8,7 @@
 
    The rope overlaps itself where contact would press it, or presses it (self_contact). The legs pass through each
    other, or one of them through conveyance or head ropes above the other's end, if the turns over the height
-   (diagnostics.loop_turns) jump by one, while the loop's yaw, which is counted in time, does not. */
+   (loop_turns) jump by one, while the loop's yaw, which is counted in time, does not. */
 
 #include "shaft.h"
 
@@ -86,7 +84,8 @@ static void nearest_of(int count, const NearestSearch *searches, Nearest nearest
 
 static void search_elements(NearestSearch *search, const NodalArrays *nodal, int first, int last) {
     for (int k = first; k < last; k++) {
-        const double *a = nodal->q + (size_t)k * DOF, *b = a + DOF;
+        const double *a = nodal->q + (size_t)k * DOF;
+        const double *b = a + DOF;
         double box[6];
         if (k < search->first || k >= search->last) continue;
         enclosing_box(nodal->lengths[k], a, b, box);

@@ -31,7 +31,8 @@ void diagnostics_shape(int nodes, const double *q, const double *s, int points, 
                        double (*xyz)[3]) {
     for (int k = 0, i = 0; k < points; k++) {
         while (i < nodes - 2 && s[i + 1] < places[k]) i++;
-        const double l = s[i + 1] - s[i], *a = q + (ptrdiff_t)DOF * i;
+        const double l = s[i + 1] - s[i];
+        const double *a = q + (ptrdiff_t)DOF * i;
         position_at((places[k] - s[i]) / l, l, a, a + DOF, xyz[k]);
     }
 }
@@ -44,13 +45,15 @@ void diagnostics_tension(const NodalArrays *arrays, double rho, double gravity, 
     for (int k = 0; k < points; k++) {
         /* Integrate the acceleration, cubic between the nodes, over the elements to the left ... */
         for (; i < arrays->elements - 1 && s[i + 1] <= places[k]; i++) {
-            const double *a = arrays->a + (ptrdiff_t)DOF * i, *b = a + DOF;
+            const double *a = arrays->a + (ptrdiff_t)DOF * i;
+            const double *b = a + DOF;
             double l = arrays->lengths[i];
             for (int axis = 0; axis < 3; axis++)
                 before[axis] += hermite_integral(l, a[axis], a[SLOPE + axis], b[axis], b[SLOPE + axis]);
         }
         /* ... and over the part of the present element. */
-        const double *a = arrays->a + (ptrdiff_t)DOF * i, *b = a + DOF;
+        const double *a = arrays->a + (ptrdiff_t)DOF * i;
+        const double *b = a + DOF;
         double l = arrays->lengths[i], xi = (places[k] - s[i]) / l, force[3];
         transfer_interpolate(arrays->nodes, arrays->q, s, 1, &places[k], row);
         for (int axis = 0; axis < 3; axis++) {
@@ -69,7 +72,8 @@ static int part_above(double (*first)[3], int stride, double height, double part
     int i = 0, n = 0;
     while (i < LEG && first[stride * i][1] < height) i++;
     if (i == LEG) return 0;
-    const double *below = first[stride * (i > 0 ? i - 1 : 0)], *above = first[stride * i];
+    const double *below = first[stride * (i > 0 ? i - 1 : 0)];
+    const double *above = first[stride * i];
     double rise = above[1] - below[1], fraction = rise > 0 ? (height - below[1]) / rise : 1.0;
     for (int axis = 0; axis < 3; axis++) part[0][axis] = below[axis] + fraction * (above[axis] - below[axis]);
     i += fraction >= 1.0;
@@ -99,7 +103,9 @@ static void blocks_of(int points, double point[LEG][3], double bounds[BLOCKS][6]
 /* Return the smallest square of a distance between points and pieces of a polygon, or `least` if that is smaller. */
 static double nearest_squared(int points, double point[][3], int pieces, double corner[][3], double least) {
     for (int m = 0; m < pieces; m++) {
-        const double *a = corner[m], *b = corner[m + 1], along[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+        const double *a = corner[m];
+        const double *b = corner[m + 1];
+        const double along[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
         for (int n = 0; n < points; n++) least = minimum(least, squared_distance(point[n], a, along));
     }
     return least;

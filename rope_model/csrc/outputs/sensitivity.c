@@ -57,7 +57,8 @@ typedef struct {
 static void end_loads(const Scene *scene, State *state, double loads[LOADS]) {
     const NodalArrays nodal = state_arrays(state);
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double *q = end_row(nodal.q, nodal.nodes, side), *R = end_row(nodal.reaction, nodal.nodes, side);
+        const double *q = end_row(nodal.q, nodal.nodes, side);
+        const double *R = end_row(nodal.reaction, nodal.nodes, side);
         conveyance_load(q, R, ends_moment(scene, state, &nodal, side), loads + 6 * side);
     }
 }

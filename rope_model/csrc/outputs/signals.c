@@ -40,7 +40,8 @@ static void end_signals(Simulator *sim, double *values) {
     const State *state = sim->state;
     const NodalArrays nodal = state_arrays(sim->state);
     for (int side = LEFT; side <= RIGHT; side++, values += SIGNAL_RIGHT_FX - SIGNAL_LEFT_FX) {
-        const double *q = end_row(nodal.q, nodal.nodes, side), *v = end_row(nodal.v, nodal.nodes, side);
+        const double *q = end_row(nodal.q, nodal.nodes, side);
+        const double *v = end_row(nodal.v, nodal.nodes, side);
         const double *reaction = end_row(nodal.reaction, nodal.nodes, side);
         const double torque = ends_moment(&sim->scene, state, &nodal, side);
         conveyance_load(q, reaction, torque, values + SIGNAL_LEFT_FX);
@@ -114,7 +115,8 @@ static void audit_signals(Simulator *sim, double *values) {
 static void error_signals(Simulator *sim, double *values) {
     const State *state = sim->state;
     const double fine_length = partition_fine_length(&state->pattern, state_arrays(sim->state).lengths);
-    const InputFilter *left = &state->filters[LEFT], *right = &state->filters[RIGHT];
+    const InputFilter *left = &state->filters[LEFT];
+    const InputFilter *right = &state->filters[RIGHT];
     double at_ends = end_force_error(&sim->scene.rope, &state->errors);
     double of_place = loop_error(&sim->scene, &state->errors, fine_length, state->pattern.grading_length);
     at_ends = add_contact_end_error(at_ends, &state->contact, state->errors.time, state->errors.force);

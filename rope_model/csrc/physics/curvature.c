@@ -35,7 +35,11 @@ void start_director(State *state, const double *q) {
 
 void curved_reference(double *curved, const Rope *rope, State *state, const double *q) {
     const NodalArrays nodal = state_arrays(state);
-    double e1[3], components[6], found[12], *to = curved, s = 0;
+    double e1[3];
+    double components[6];
+    double found[12];
+    double *to = curved;
+    double s = 0;
     const int elements = is_curved(curved, rope, state->fidelity) ? nodal.elements : 0;
     memcpy(e1, state->director, sizeof e1);
     for (int e = 0; e < elements; e++, q += DOF, to += CURVATURE_SIZE) {

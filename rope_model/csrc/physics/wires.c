@@ -48,8 +48,8 @@ double update_hysteresis(const double *wires, State *state, const double *q) {
     double dissipated = 0;
     if (!state->rubs) return 0;
     for (int e = 0; e < nodal.elements; e++) {
-        const double *before = wires + (ptrdiff_t)e * WIRE_HISTORY_SIZE,
-                     *law = before + WIRE_POINTS * WIRE_POINT_STATE_SIZE;
+        const double *before = wires + (ptrdiff_t)e * WIRE_HISTORY_SIZE;
+        const double *law = before + WIRE_POINTS * WIRE_POINT_STATE_SIZE;
         double now[WIRE_POINT_STATE_SIZE];
         for (int k = 0; k < WIRE_POINTS; k++, before += WIRE_POINT_STATE_SIZE) {
             read_section(state, &nodal, q, e, k, now);

@@ -23,10 +23,11 @@ struct Simulator {
     int elements;
     bool initialized;
     size_t state_bytes;
-    State *state, *next; /* an advance works on next; both swap when it succeeds */
-    State *spare;        /* scratch, as for the trial whether a swivel sticks */
-    State *start;        /* state before the last communication step, if last.taken */
-    HostStep last;       /* that step */
+    State *state;
+    State *next;   /* an advance works on next; both swap when it succeeds */
+    State *spare;  /* scratch, as for the trial whether a swivel sticks */
+    State *start;  /* state before the last communication step, if last.taken */
+    HostStep last; /* that step */
     Replay replay;
     NodalArrays trial;          /* arrays of the latest trial step; scratch otherwise */
     double *x;                  /* scratch (nodes x DOF) */

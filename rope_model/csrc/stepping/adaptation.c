@@ -40,7 +40,8 @@ static void add_energy_change(Simulator *sim, State *state) {
 
 /* Equilibrium with the present accelerations, damped by an inertia of time constant `time`; no change on failure. */
 static Progress dynamic_equilibrium(Simulator *sim, State *state, double time, double tolerance) {
-    const NodalArrays nodal = state_arrays(state), *now = &sim->trial;
+    const NodalArrays nodal = state_arrays(state);
+    const NodalArrays *now = &sim->trial;
     const System sys = rope_system(sim, state);
     const size_t bytes = sizeof(double) * (size_t)nodal.nodes * DOF;
     const double c[3] = {1, 0, pow(time, -2)};
@@ -59,7 +60,8 @@ static Progress dynamic_equilibrium(Simulator *sim, State *state, double time, d
 /* Transform the mesh once; return the status of Newton's method. */
 static int on_partition(Simulator *sim, State *state, int direction, const double *divider_s) {
     const NodalArrays nodal = state_arrays(state);
-    double *const fields[] = {nodal.q, nodal.v, nodal.a, nodal.b, nodal.a_rate}, *old_s = sim->trial.b;
+    double *const fields[] = {nodal.q, nodal.v, nodal.a, nodal.b, nodal.a_rate};
+    double *old_s = sim->trial.b;
     memcpy(old_s, nodal.s, sizeof(double) * (size_t)nodal.nodes);
     partition_transform(&state->pattern, direction, divider_s, nodal.elements, nodal.lengths);
     arc_lengths(nodal.elements, nodal.lengths, nodal.s);

@@ -18,7 +18,8 @@
 /* Refer theta of an equilibrium q, which is referred to q, to the rigid rope. */
 static void count_from_rigid(Simulator *sim, State *state, const double *rigid, double *q) {
     const size_t size = (size_t)(state->elements + 1) * DOF;
-    double *moved = sim->trial.q, *zeros = sim->trial.v;
+    double *moved = sim->trial.q;
+    double *zeros = sim->trial.v;
     memcpy(moved, q, sizeof(double) * size);
     memset(zeros, 0, sizeof(double) * size);
     rope_system_refer(sim, state, rigid);
@@ -31,7 +32,9 @@ RopeStatus flexible_start(Simulator *sim, State *state, char *message) {
     const size_t size = (size_t)nodal.nodes * DOF, bytes = sizeof(double) * size;
     const double t = state->t, offset = state->offsets[RIGHT];
     /* b and a_rate are scratch until the restart. */
-    double *q = nodal.b, *reaction = nodal.a_rate, *const all[3] = {nodal.q, nodal.v, nodal.a};
+    double *q = nodal.b;
+    double *reaction = nodal.a_rate;
+    double *const all[3] = {nodal.q, nodal.v, nodal.a};
     const Path paths[2] = {state->paths[LEFT], state->paths[RIGHT]};
     double director[3];
     memcpy(director, state->director, sizeof director);

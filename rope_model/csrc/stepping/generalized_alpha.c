@@ -64,7 +64,8 @@ static void predict(const NodalArrays *old, double h, double ahead, const double
 }
 
 StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, double h) {
-    const NodalArrays old = state_arrays(state), *now = &sim->trial;
+    const NodalArrays old = state_arrays(state);
+    const NodalArrays *now = &sim->trial;
     const Coefficients method = {sim->scene.solver.rho_inf};
     const size_t size = (size_t)old.nodes * DOF;
     const double time_shift = recentring(&method, h, state->h);
@@ -103,7 +104,8 @@ void generalized_alpha_restart(Simulator *sim, State *state, const System *sys) 
     const NodalArrays nodal = state_arrays(state);
     const size_t size = (size_t)nodal.nodes * DOF;
     const double c[3] = {0, 0, 1};
-    double unused[BALANCE], *reaction = sim->trial.reaction;
+    double unused[BALANCE];
+    double *reaction = sim->trial.reaction;
     memset(nodal.a, 0, sizeof(double) * size);
     rope_system_prescribed_motion(&sim->scene, state, sys, state->t, 3, (double *[]){nodal.q, nodal.v, nodal.a});
     for (int again = 0; again < 2; again++) { /* friction of the second pass uses the reactions of the first */

@@ -122,7 +122,8 @@ RopeStatus take_host_step(Simulator *sim, const HostStep *host, int *event) {
         state->counts.newton + (sim->scene.solver.work_max > 0 ? sim->scene.solver.work_max : INT32_MAX);
     if (!move_ends(sim, state, t, ends, host->given_at)) return ROPE_FAILED;
     const NodalArrays nodal = state_arrays(state);
-    const double *audited = state->audit.impulse + AUDIT_END_LOADS, already[2] = {audited[LEFT], audited[RIGHT]};
+    const double *audited = state->audit.impulse + AUDIT_END_LOADS;
+    const double already[2] = {audited[LEFT], audited[RIGHT]};
     double rigid_impulse[2] = {0, 0};
     const double most = max_iterations(t - begin, step_max);
     const int64_t newton_before = sim->state->counts.newton;

@@ -53,11 +53,16 @@ static double imbalance(const System *sys, const double *R) {
 }
 
 RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char *message) {
-    const NodalArrays nodal = state_arrays(state), *scratch = &sim->trial;
+    const NodalArrays nodal = state_arrays(state);
+    const NodalArrays *scratch = &sim->trial;
     const System sys = rope_system(sim, state);
     const Chain *chain = chain_of(sim, state);
     const size_t size = (size_t)nodal.nodes * DOF, bytes = sizeof(double) * size;
-    double *trial = scratch->q, *zeros = scratch->v, *R = scratch->a, *now = scratch->b, *x = sim->x;
+    double *trial = scratch->q;
+    double *zeros = scratch->v;
+    double *R = scratch->a;
+    double *now = scratch->b;
+    double *x = sim->x;
     double balance[BALANCE], tau = 0.1, previous = 0, turned = 0, relaxed = 1, last = 0;
     const bool shortened = lacks_symmetry(sys.P[P_QS], sys.P[P_QK]) > 0;
     const double largest = fmin(MAX_MOVE, 0.5 * min_body_thickness(&sim->scene));

@@ -1,4 +1,8 @@
-/* One step of the rope: step-size control, swivel events and transformations. */
+/* One step of the rope: step-size control, swivel events and transformations.
+
+   Steps end at the instants where a swivel is released or changes between stick and slip.  A transformation of the mesh
+   waits for a step's end, unless the step would carry the loop MAX_OVERSHOOT l beyond the limit.  A step that does not
+   converge or whose error is too large is rejected, halved and repeated, down to the smallest step. */
 
 #include "stepping.h"
 

@@ -24,7 +24,8 @@
 
 /* Event function of one swivel: negative while it may stay in its phase. */
 static double excess_of(const Scene *scene, const State *state, int side, double t, const NodalArrays *nodal) {
-    const double *q = end_row(nodal->q, nodal->nodes, side), *v = end_row(nodal->v, nodal->nodes, side);
+    const double *q = end_row(nodal->q, nodal->nodes, side);
+    const double *v = end_row(nodal->v, nodal->nodes, side);
     const double *R = end_row(nodal->reaction, nodal->nodes, side);
     double relative[2];
     ends_relative(state, side, t, q[ANGLE], v[ANGLE], relative);

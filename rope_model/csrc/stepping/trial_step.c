@@ -1,4 +1,5 @@
-/* Equations of motion, trial steps and bookkeeping of a scene, for any state of the rope. */
+/* Trial steps, and the books of a step that is accepted: energies, losses, powers of the ends, momentum audit, errors.
+ */
 
 #include "trial_step.h"
 
@@ -33,7 +34,8 @@ static void load_on(const Scene *scene, const Chain *chain, State *state, const 
     chain->air(sys, nodal.q, nodal.v, air);
     for (int k = 0; k < 6; k++) load[k] = contact[CONTACT_LOAD + k] + air[1 + k];
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double *q = end_row(nodal.q, nodal.nodes, side), *R = end_row(nodal.reaction, nodal.nodes, side);
+        const double *q = end_row(nodal.q, nodal.nodes, side);
+        const double *R = end_row(nodal.reaction, nodal.nodes, side);
         double one[6];
         end_load(q, R, ends_moment(scene, state, &nodal, side), one);
         for (int k = 0; k < 6; k++) load[k] += one[k];
@@ -86,7 +88,8 @@ static void audit_step(const Simulator *sim, State *state, const System *sys, do
 static double largest_bend(const NodalArrays *nodal) {
     double largest = 0;
     for (int k = 0; k < nodal->elements; k++) {
-        const double *d = nodal->q + (size_t)k * DOF + SLOPE, *next = d + DOF;
+        const double *d = nodal->q + (size_t)k * DOF + SLOPE;
+        const double *next = d + DOF;
         const double change[3] = {next[0] - d[0], next[1] - d[1], next[2] - d[2]};
         largest = fmax(largest, dot(change, change));
     }
@@ -97,7 +100,8 @@ void audit_interval(const Simulator *sim, State *state, double h, double residua
     if (state->fidelity == RIGID) return;
     const Rope *rope = &sim->scene.rope;
     const NodalArrays nodal = state_arrays(state);
-    const double *left = nodal.q, *right = end_row(nodal.q, nodal.nodes, RIGHT);
+    const double *left = nodal.q;
+    const double *right = end_row(nodal.q, nodal.nodes, RIGHT);
     const System sys = rope_system(sim, state);
     AuditedInterval interval = {.h = h};
     chain_of(sim, state)->momentum(&sys, nodal.q, nodal.v, interval.sums);
@@ -142,7 +146,8 @@ void rope_powers(const Scene *scene, State *state) {
     const NodalArrays nodal = state_arrays(state);
     state->power_ends = state->power_swivel = 0;
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double *R = end_row(nodal.reaction, nodal.nodes, side), *v = end_row(nodal.v, nodal.nodes, side);
+        const double *R = end_row(nodal.reaction, nodal.nodes, side);
+        const double *v = end_row(nodal.v, nodal.nodes, side);
         const double moment = ends_moment(scene, state, &nodal, side);
         double spin = v[ANGLE];
         for (int k = 0; k < 3; k++) state->power_ends += R[k] * v[k];
@@ -229,7 +234,8 @@ static StepLosses losses_in_middle(const Scene *scene, const Chain *chain, const
 
 /* Take the motion of the trial, with its frames. */
 static void take_motion(Simulator *sim, State *state, const StepResult *trial) {
-    const NodalArrays nodal = state_arrays(state), *moved = &sim->trial;
+    const NodalArrays nodal = state_arrays(state);
+    const NodalArrays *moved = &sim->trial;
     update_angles(sim, state, moved->q, moved->v, moved->a, moved->b);
     copy_fields(&nodal, moved);
     state->t = trial->t;
