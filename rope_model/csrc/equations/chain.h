@@ -42,6 +42,9 @@ typedef struct {
     void (*frame_rows)(const System *, size_t length, double *rows);
 } Chain;
 
+/* Return the largest entry of x (nodes x DOF) where the rope is free, with r' times `slopes`; infinite if one is not
+   finite. */
+double chain_norm(const System *sys, const double *x, double slopes);
 /* Bytes of `work` for a chain of any fidelity, aligned to 64 bytes. */
 size_t chain_work_bytes(int elements);
 size_t chain_frames_bytes(int elements);

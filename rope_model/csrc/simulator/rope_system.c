@@ -101,21 +101,6 @@ void rope_system_prescribed_motion(const Scene *scene, const State *state, const
     }
 }
 
-double rope_system_norm(const System *sys, const double *x, double slopes) {
-    double largest[DOF] = {0}, all = 0;
-    bool finite = true;
-    for (int k = 0; k <= sys->elements; k++, x += DOF) {
-        const bool *free = k == 0 ? sys->free[LEFT] : k == sys->elements ? sys->free[RIGHT] : NULL;
-        for (int dof = 0; dof < DOF; dof++) {
-            const double size = free == NULL || free[dof] ? fabs(x[dof]) : 0.;
-            finite &= size < INFINITY;
-            largest[dof] = size > largest[dof] ? size : largest[dof];
-        }
-    }
-    for (int dof = 0; dof < DOF; dof++) all = fmax(all, largest[dof] * (dof >= SLOPE && dof < ANGLE ? slopes : 1.));
-    return finite ? all : INFINITY;
-}
-
 void external_sums(const System *sys, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
     memset(sums, 0, sizeof(double) * CONTACT_BALANCE);
     self_contact_sums(sys, q, v, sums);

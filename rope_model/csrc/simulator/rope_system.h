@@ -17,7 +17,5 @@ void rope_system_strains(Simulator *sim); /* Strains of the present state, into 
 
 /* Sum the contact of all elements with bodies and of the rope with itself. */
 void external_sums(const System *sys, const double *q, const double *v, double sums[CONTACT_BALANCE]);
-/* Return the largest entry of x where the rope is free, entries of r' times `slopes`; infinite if one is not finite. */
-double rope_system_norm(const System *sys, const double *x, double slopes);
 
 #endif

@@ -94,7 +94,7 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
         now->a_rate[i] = (now->a[i] - old.a[i]) / h;
     }
     const double *change = resolved_change(sim, chain, sys, c[2], old.a);
-    result.error = local_error(&method, h, rope_system_norm(sys, change, sys->shortest));
+    result.error = local_error(&method, h, chain_norm(sys, change, sys->shortest));
     for (int side = LEFT; side <= RIGHT; side++)
         result.strains[side] = local_error(&method, h, end_strain(&sim->scene, now->nodes, now->q, change, side));
     return result;

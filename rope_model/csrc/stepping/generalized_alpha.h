@@ -12,7 +12,7 @@
 /* A trial step; its arrays are Simulator.trial. */
 typedef struct {
     double t, h;        /* end and length of the step, s */
-    double error;       /* local error, by rope_system_norm */
+    double error;       /* local error, by chain_norm */
     double strains[2];  /* local error of the strains at the ends */
     double error_ratio; /* largest local error divided by its tolerance */
     double balance[BALANCE];

@@ -49,7 +49,7 @@ static double work_along(const System *sys, const double *R, const double *x) {
 
 /* Return the largest unbalanced force, N. */
 static double imbalance(const System *sys, const double *R) {
-    return rope_system_norm(sys, R, 1. / sys->shortest);
+    return chain_norm(sys, R, 1. / sys->shortest);
 }
 
 RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char *message) {
@@ -83,7 +83,7 @@ RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char 
         previous = imbalance(&sys, now);
         sim->solutions += sim->self_contact->solutions - solutions;
         if (sim->solutions > MAX_SOLUTIONS) return say_winds_about_itself(message, previous, MAX_SOLUTIONS);
-        const double move = rope_system_norm(&sys, x, 1), norm = rope_system_norm(&sys, x, sys.shortest);
+        const double move = chain_norm(&sys, x, 1), norm = chain_norm(&sys, x, sys.shortest);
         if (!isfinite(move)) {
             tau *= 0.1;
             continue;
