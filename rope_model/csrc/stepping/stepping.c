@@ -153,7 +153,7 @@ RopeStatus step_towards(Simulator *sim, State *state, double t_end, char *messag
         if (switching != NOT_FOUND) break;
         /* A shorter step may not reach the event, or locate it more easily. */
         state->step_next = fmax(0.5 * (end - state->t), sim->scene.solver.step_min);
-        if (state->step_next > 0.75 * (end - state->t))
+        if (state->step_next > SHORTER * (end - state->t))
             return say_step_to_event_fails(message, NEWTON_MESSAGES[trial.newton.status]);
         state->counts.rejections += 1;
     }
