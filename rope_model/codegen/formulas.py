@@ -294,7 +294,11 @@ _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("", bodies, "RESOLUTION TURNED_FAR MONITOR_INTERVAL"),
     ("", stepping, "MAX_START_TIME MAX_STEPS"),
     ("", statics, "SETTLED BALANCED MAX_MOVE PATIENCE REST_TOLERANCE"),
-    ("STATICS_", statics, "FIRST_TIME SHORTEST_TIME NEWTON_TIME LONGEST_TIME SHRINK SHRINK_OF_INFINITE"),
+    (
+        "STATICS_",
+        statics,
+        "FIRST_TIME SHORTEST_TIME NEWTON_TIME LONGEST_TIME SHRINK SHRINK_OF_INFINITE",
+    ),
     ("STATICS_", statics, "LEAST_GROWTH LARGEST_GROWTH MAX_GAIN ROUNDED"),
     ("", elementary, "TINY"),
     ("", swivel_phases, "EVENT_WIDTH JUST_BEFORE CHATTER_TIME"),
