@@ -108,6 +108,15 @@ void ends_relative(const State *state, int side, double t, double theta, double 
     relative[1] = theta_t - SENSE_OF_YAW[side] * now.yaw_rate;
 }
 
+void ends_freedom(const Scene *scene, const State *state, int side, bool free[DOF]) {
+    const int attachment = scene->swivels[side].attachment;
+    for (int dof = 0; dof < DOF; dof++) free[dof] = false;
+    free[SLOPE] = attachment == HINGED;
+    free[SLOPE + 1] = attachment != CLAMPED;
+    free[SLOPE + 2] = attachment == HINGED;
+    free[ANGLE] = state->swivels[side].phase == SLIP;
+}
+
 void ends_prescribed_motion(const Scene *scene, const State *state, int side, double t, double rows[3][DOF]) {
     held_end(&state->paths[side], t, (side == LEFT ? -0.5 : 0.5) * scene->layout.spacing, SENSE_OF_YAW[side],
              state->offsets[side] + state->swivels[side].angle, rows);

@@ -95,7 +95,7 @@ static RopeStatus initialize(Simulator *sim, double t, const EndMotion ends[2]) 
     state->loop_yaw = ends_yaw(&nodal);
     if (!(state->fidelity == RIGID ? as_rigid(sim, state, t, message) : hang(sim, state, ends, message)))
         return ROPE_FAILED;
-    if (start_hysteresis(sim->wires, state)) rope_system_refer(sim, state, nodal.q);
+    if (start_hysteresis(sim->reference.wires, state)) rope_system_refer(sim, state, nodal.q);
     for (int side = LEFT; side <= RIGHT; side++)
         state->force_mean[side] = -end_row(nodal.reaction, nodal.nodes, side)[1];
     state->energy_balance.start = energy_total(&state->energy_balance);

@@ -107,13 +107,13 @@ static bool happenings_plausible(const State *state) {
 
 bool state_plausible(const Simulator *sim, State *state) {
     if (state->elements != sim->elements || !within(state->fidelity, TORSIONAL, RIGID) ||
-        state->rubs != (sim->wires != NULL && state->fidelity != RIGID) ||
+        state->rubs != (sim->reference.wires != NULL && state->fidelity != RIGID) ||
         memchr(state->fidelity_reason, '\0', MESSAGE) == NULL)
         return false;
     if (sim->scene.model.fidelity != AUTO_FIDELITY && state->fidelity != sim->scene.model.fidelity) return false;
     const NodalArrays nodal = state_arrays(state);
     if (!reals_finite(state) || !fields_finite(&nodal)) return false;
-    if (sim->wires != NULL && !all_finite(nodal.z, WIRE_Z * (size_t)nodal.elements)) return false;
+    if (sim->reference.wires != NULL && !all_finite(nodal.z, WIRE_Z * (size_t)nodal.elements)) return false;
     if (!(state->h >= 0 && state->step_next > 0 && state->last_interval > 0)) return false;
     for (int side = LEFT; side <= RIGHT; side++) {
         const SwivelState *swivel = &state->swivels[side];

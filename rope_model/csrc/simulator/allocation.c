@@ -50,10 +50,10 @@ static size_t lay_out(Simulator *sim, Arena *arena) {
     sim->replay.steps = reserve(arena, sizeof *sim->replay.steps * MAX_TAKEN);
     sim->strains = reserve(arena, sizeof *sim->strains * n);
     sim->gained = reserve(arena, sizeof *sim->gained * n);
-    sim->frames = reserve(arena, chain_frames_bytes(sim->elements));
+    sim->reference.frames = reserve(arena, chain_frames_bytes(sim->elements));
     sim->work = reserve(arena, chain_work_bytes(sim->elements));
-    if (max_curvature(&scene->rope) > 0) sim->curved = numbers(arena, CURVATURE_SIZE * n);
-    if (rubs) sim->wires = numbers(arena, WIRE_HISTORY_SIZE * n);
+    if (max_curvature(&scene->rope) > 0) sim->reference.curved = numbers(arena, CURVATURE_SIZE * n);
+    if (rubs) sim->reference.wires = numbers(arena, WIRE_HISTORY_SIZE * n);
     if (rubs) sim->latest = numbers(arena, WIRE_TANGENT_SIZE * (n + MAX_LANES - 1));
     sim->obstacles = reserve(arena, sizeof *sim->obstacles);
     sim->self_contact = reserve(arena, sizeof *sim->self_contact);

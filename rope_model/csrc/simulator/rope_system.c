@@ -4,6 +4,7 @@
 
 #include "rope_system.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -25,18 +26,19 @@
 #include "system.h"
 #include "wires.h"
 
-System rope_system(const Simulator *sim, State *state) {
+static System system_of(const Simulator *sim, State *state) {
     const Rope *data = &sim->scene.rope;
     const NodalArrays x = state_arrays(state);
     System sys = {.elements = x.elements,
                   .lengths = x.lengths,
-                  .frames = sim->frames,
+                  .frames = sim->reference.frames,
                   .obstacles = sim->obstacles->bodies > 0 ? sim->obstacles : NULL,
                   .self_contact = sim->self_contact->presses ? sim->self_contact : NULL,
                   .forces = sim->forces.count > 0 ? &sim->forces : NULL,
                   .time = state->t,
-                  .wires = state->rubs ? sim->wires : NULL,
-                  .curved = is_curved(sim->curved, &sim->scene.rope, state->fidelity) ? sim->curved : NULL,
+                  .wires = state->rubs ? sim->reference.wires : NULL,
+                  .curved = is_curved(sim->reference.curved, &sim->scene.rope, state->fidelity) ? sim->reference.curved
+                                                                                                : NULL,
                   .latest = sim->latest,
                   .shortest = x.lengths[0]};
     element_parameters(data, sim->scene.layout.gravity, sys.P);
@@ -46,9 +48,7 @@ System rope_system(const Simulator *sim, State *state) {
     for (int side = LEFT; side <= RIGHT; side++) {
         const Swivel *swivel = &sim->scene.swivels[side];
         const SwivelState *now = &state->swivels[side];
-        sys.free[side][SLOPE] = sys.free[side][SLOPE + 2] = swivel->attachment == HINGED;
-        sys.free[side][SLOPE + 1] = swivel->attachment != CLAMPED;
-        sys.free[side][ANGLE] = now->phase == SLIP;
+        ends_freedom(&sim->scene, state, side, sys.free[side]);
         sys.inertia[side] = swivel->inertia;
         sys.plumb[side] = swivel->attachment == PLUMB;
         sys.load[side] = slip_constant(swivel, now);
@@ -57,17 +57,29 @@ System rope_system(const Simulator *sim, State *state) {
     return sys;
 }
 
+System rope_system(const Simulator *sim, State *state) {
+#ifdef ROPE_CHECKS /* in tests: a wrong reference would give wrong forces and no message */
+    assert(state->fidelity == RIGID || sim->reference.of == state);
+#endif
+    return system_of(sim, state);
+}
+
+void rope_system_adopt(Simulator *sim, const State *state) {
+    sim->reference.of = state;
+}
+
 /* Refer permanent curvature and friction between wires to q. */
 static void refer_material(Simulator *sim, State *state, const System *sys, const double *q) {
-    memcpy(sim->left_slope, q + SLOPE, sizeof sim->left_slope);
-    curved_reference(sim->curved, &sim->scene.rope, state, q);
+    sim->reference.of = state;
+    memcpy(sim->reference.left_slope, q + SLOPE, sizeof sim->reference.left_slope);
+    curved_reference(sim->reference.curved, &sim->scene.rope, state, q);
     if (!state->rubs) return;
     chain_of(sim, state)->strains(sys, q, state_arrays(state).v, sim->strains); /* the history takes no rates */
-    wires_history(&sim->scene.rope, state, q, sim->strains, sim->wires);
+    wires_history(&sim->scene.rope, state, q, sim->strains, sim->reference.wires);
 }
 
 void rope_system_refer(Simulator *sim, State *state, const double *q) {
-    const System sys = rope_system(sim, state);
+    const System sys = system_of(sim, state);
     chain_of(sim, state)->refer(&sys, q);
     refer_material(sim, state, &sys, q);
 }
@@ -84,20 +96,21 @@ double rope_system_transport(Simulator *sim, State *state, double *q, double *v,
         a[theta] += sim->gained[k][2];
         b[theta] += sim->gained[k][2];
     }
-    carry_director(state, sim->left_slope, q + SLOPE);
+    carry_director(state, sim->reference.left_slope, q + SLOPE);
     refer_material(sim, state, &sys, q);
     return turn;
 }
 
-void rope_system_prescribed_motion(const Scene *scene, const State *state, const System *sys, double t, int orders,
-                                   double *const x[]) {
+void rope_system_prescribed_motion(const Scene *scene, const State *state, double t, int orders, double *const x[]) {
     for (int side = LEFT; side <= RIGHT; side++) {
-        const size_t row = end_index(sys->elements + 1, side);
+        const size_t row = end_index(state->elements + 1, side);
+        bool free[DOF];
         double rows[3][DOF];
+        ends_freedom(scene, state, side, free);
         ends_prescribed_motion(scene, state, side, t, rows);
         for (int k = 0; k < orders; k++)
             for (int dof = 0; dof < DOF; dof++)
-                if (!sys->free[side][dof]) x[k][row + (size_t)dof] = rows[k][dof];
+                if (!free[dof]) x[k][row + (size_t)dof] = rows[k][dof];
     }
 }
 

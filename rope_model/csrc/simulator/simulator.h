@@ -15,6 +15,16 @@
 #include "signal_numbers.h"
 #include "state_structures.h"
 
+/* Shape to which the element functions refer a state: reference of the frames, permanent curvature, history of the
+   wires. It belongs to one state at a time; rope_system_refer and rope_system_adopt make it that of another. */
+typedef struct {
+    const State *of;      /* the state that it belongs to; a rigid one needs none */
+    double *frames;       /* of the elements */
+    double *wires;        /* WIRE_HISTORY_SIZE numbers an element; or NULL */
+    double *curved;       /* CURVATURE_SIZE numbers an element; or NULL */
+    double left_slope[3]; /* r' of the left end */
+} Reference;
+
 struct Simulator {
     Scene scene;
     Memory memory;
@@ -33,12 +43,9 @@ struct Simulator {
     double *x;                  /* scratch (nodes x DOF) */
     double (*strains)[STRAINS]; /* scratch */
     double (*gained)[3];        /* scratch, for Chain.transport */
-    double *frames;             /* of the elements in the state, or during an advance in the state in progress */
-    double *wires;              /* WIRE_HISTORY_SIZE numbers an element, of the same state as frames; or NULL */
-    double *curved;             /* CURVATURE_SIZE numbers an element, of the same state as frames; or NULL */
-    double left_slope[3];       /* r' of the left end where frames and curved belong */
-    double *latest;             /* friction of the wires at the last tangent, see System.latest; or NULL */
-    void *work;                 /* scratch of the chain */
+    Reference reference;
+    double *latest; /* friction of the wires at the last tangent, see System.latest; or NULL */
+    void *work;     /* scratch of the chain */
     Obstacles *obstacles;
     SelfContactState *self_contact;
     PointForces forces;

@@ -51,7 +51,7 @@ static Progress dynamic_equilibrium(Simulator *sim, State *state, double time, d
         chain_of(sim, state)
             ->solve(&sys, sim->work, now->q, now->v, now->a, now->reaction, c, tolerance, NULL, balance);
     if (newton.status != CONVERGED) return newton;
-    update_hysteresis(sim->wires, state, now->q);
+    update_hysteresis(sim->reference.wires, state, now->q);
     update_angles(sim, state, now->q, nodal.v, nodal.a, nodal.b);
     memcpy(nodal.q, now->q, bytes);
     return newton;
@@ -67,7 +67,7 @@ static int on_partition(Simulator *sim, State *state, int direction, const doubl
     arc_lengths(nodal.elements, nodal.lengths, nodal.s);
     if (state->fidelity == RIGID) return CONVERGED; /* shape and energies do not depend on the mesh */
     transfer_fields(nodal.nodes, old_s, nodal.s, 5, fields, sim->work);
-    wires_carry(state, old_s, sim->wires); /* scratch: its history belongs to the old mesh */
+    wires_carry(state, old_s, sim->reference.wires); /* scratch: its history belongs to the old mesh */
     memset(nodal.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(nodal.nodes - 2));
     rope_system_refer(sim, state, nodal.q);
     const Solver *solver = &sim->scene.solver;
@@ -128,6 +128,6 @@ RopeStatus raise_fidelity(Simulator *sim, State *state, const char *why, char *m
         update_angles(sim, state, nodal.q, nodal.v, nodal.a, nodal.b);
     restart_motion(sim, state);
     state->energy_balance.transformations += rope_energies(sim, state);
-    if (start_hysteresis(sim->wires, state)) rope_system_refer(sim, state, nodal.q);
+    if (start_hysteresis(sim->reference.wires, state)) rope_system_refer(sim, state, nodal.q);
     return ROPE_DONE;
 }

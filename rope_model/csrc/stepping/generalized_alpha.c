@@ -77,7 +77,7 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
     auxiliary_weights(&method, time_shift, aux);
     newton_coefficients(&method, h, c);
     predict(&old, h, ahead, w, now->q, now->v, now->a);
-    rope_system_prescribed_motion(&sim->scene, state, sys, result.t, 3, (double *[]){now->q, now->v, now->a});
+    rope_system_prescribed_motion(&sim->scene, state, result.t, 3, (double *[]){now->q, now->v, now->a});
     sys->time = result.t;
     memcpy(now->reaction, old.reaction, sizeof(double) * size);
     const Chain *chain = chain_of(sim, state);
@@ -107,7 +107,7 @@ void generalized_alpha_restart(Simulator *sim, State *state, const System *sys) 
     double unused[BALANCE];
     double *reaction = sim->trial.reaction;
     memset(nodal.a, 0, sizeof(double) * size);
-    rope_system_prescribed_motion(&sim->scene, state, sys, state->t, 3, (double *[]){nodal.q, nodal.v, nodal.a});
+    rope_system_prescribed_motion(&sim->scene, state, state->t, 3, (double *[]){nodal.q, nodal.v, nodal.a});
     for (int again = 0; again < 2; again++) { /* friction of the second pass uses the reactions of the first */
         memcpy(reaction, nodal.reaction, sizeof(double) * size);
         chain_of(sim, state)

@@ -14,6 +14,7 @@
 #include "guards.h"
 #include "messages.h"
 #include "rope.h"
+#include "rope_system.h"
 #include "shaft.h"
 #include "simulator.h"
 #include "state.h"
@@ -117,6 +118,7 @@ RopeStatus take_host_step(Simulator *sim, const HostStep *host, int *event) {
     double t = host->stop;
     *event = 0;
     memcpy(state, sim->state, sim->state_bytes);
+    rope_system_adopt(sim, state);
     state->switched = state->event_count = 0;
     sim->newton_limit =
         state->counts.newton + (sim->scene.solver.work_max > 0 ? sim->scene.solver.work_max : INT32_MAX);

@@ -76,18 +76,19 @@ static double longer_time(double tau, const Correction *correction) {
     return fmin(tau * fmin(STATICS_LARGEST_GROWTH, fmax(STATICS_LEAST_GROWTH, fall)), STATICS_LONGEST_TIME);
 }
 
-/* Put the ends in their places, and clear the reactions. */
-static void hold(Simulator *sim, State *state, const System *sys) {
+/* Put the ends in their places, clear the reactions, and refer the frames to the shape. */
+static void hold(Simulator *sim, State *state) {
     const NodalArrays nodal = state_arrays(state);
     const double slope[3] = {nodal.q[SLOPE], nodal.q[SLOPE + 1], nodal.q[SLOPE + 2]};
     memset(nodal.reaction, 0, sizeof(double) * DOF * (size_t)nodal.nodes);
-    rope_system_prescribed_motion(&sim->scene, state, sys, state->t, 1, &(double *){nodal.q});
+    rope_system_prescribed_motion(&sim->scene, state, state->t, 1, &(double *){nodal.q});
     carry_director(state, slope, nodal.q + SLOPE);
     rope_system_refer(sim, state, nodal.q);
 }
 
 RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char *message) {
     const NodalArrays nodal = state_arrays(state);
+    hold(sim, state);
     const System sys = rope_system(sim, state);
     const Chain *chain = chain_of(sim, state);
     const size_t size = (size_t)nodal.nodes * DOF;
@@ -111,7 +112,6 @@ RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char 
     int k;
     sim->turned = false;
     memset(zeros, 0, bytes);
-    hold(sim, state, &sys);
     for (k = 0; k < MAX_ITERATIONS && tau >= STATICS_SHORTEST_TIME; k++) {
         sim->corrections++;
         const int64_t solutions = sim->self_contact->solutions;

@@ -16,6 +16,7 @@
 #include "formulas.h"
 #include "generalized_alpha.h"
 #include "rope.h"
+#include "rope_system.h"
 #include "rules.h"
 #include "simulator.h"
 #include "state.h"
@@ -105,7 +106,9 @@ static SwivelState next_phase(Simulator *sim, const State *state, const SwivelSt
         double relative[2];
         ends_relative(trial, side, trial->t, end_row(nodal.q, nodal.nodes, side)[ANGLE], 0, relative);
         now = trial->swivels[side] = (SwivelState){.angle = relative[0], .phase = STICK};
+        rope_system_adopt(sim, trial);
         restart_motion(sim, trial);
+        rope_system_adopt(sim, state);
         if (excess_of(&sim->scene, trial, side, trial->t, &nodal) < 0) return now;
     }
     now.phase = SLIP;

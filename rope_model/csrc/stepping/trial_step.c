@@ -262,7 +262,7 @@ void commit_trial(Simulator *sim, State *state, const StepResult *trial) {
     move_to_middle(&nodal, &sim->trial, h);
     sys.time = state->t + 0.5 * h;
     StepLosses losses = losses_in_middle(scene, chain_of(sim, state), &sys, state, h);
-    losses.wires = update_hysteresis(sim->wires, state, sim->trial.q);
+    losses.wires = update_hysteresis(sim->reference.wires, state, sim->trial.q);
 
     /* its end */
     take_motion(sim, state, trial);
