@@ -54,7 +54,7 @@ class Event(NamedTuple):
 
 
 class Nearest(NamedTuple):
-    """Nearest point of the rope to the bodies of a kind; see csrc/contact/shaft.c."""
+    """Nearest point of the rope to the bodies of a kind; see csrc/monitoring/shaft.c."""
 
     clearance: float = FAR  # m, distance of its surface
     time: float = 0.0  # s
@@ -68,7 +68,7 @@ NOT_NEAR = (Nearest(),) * len(KINDS)
 
 
 class Crossing(NamedTuple):
-    """Passages of one side of the rope through the other, and overlap of the rope: csrc/contact/shaft.c."""
+    """Passages of one side of the rope through the other, and overlap of the rope: csrc/monitoring/shaft.c."""
 
     net: float = 0.0  # passages that were not undone, with their sense
     number: float = 0.0  # all passages

@@ -125,8 +125,6 @@ def library_of(lanes: int, compiler: Sequence[str]) -> Path:
     others = (
         form for form, numbers in {"plain": 2, "wide": 4, "widest": 8}.items() if numbers != lanes
     )
-    texts = {
-        f"rope_kernels_{x}.c": f'#include "chain.h"\nconst Chain chains_{x}[3];\n' for x in others
-    }
+    texts = {f"chains_{x}.c": f'#include "chain.h"\nconst Chain chains_{x}[3];\n' for x in others}
     texts["processor.c"] = f"int processor_lanes(void) {{\n    return {lanes};\n}}\n"
     return compile_library(sources() | texts, compiler, cache_folder(), NAME)

@@ -80,7 +80,7 @@ _HEAD = """\
 #ifndef RULES_H
 #define RULES_H
 
-#include "fidelity.h"
+#include "fidelity_name.h"
 #include "formulas.h"
 #include "messages.h"
 """

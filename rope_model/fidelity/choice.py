@@ -3,7 +3,7 @@
     torsional   complete rope
     spatial     no torsion: equal for a rope without torque, except for spin inertia and theta's interpolation
     planar      equal for a rope that carries no torque and stays in the plane
-    rigid       no waves, no bending: closed-form end forces of an inextensible rope, see csrc/rigid.c
+    rigid       no waves, no bending: closed-form end forces of an inextensible rope, see csrc/physics/rigid.c
 
 A torque-free rope has no coupling, no installed twist and no permanent curvature.  Out of plane its
 swivels must turn freely as well, or its writhe twists it; they may hold at the start, which must be

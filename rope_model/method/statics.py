@@ -4,16 +4,27 @@ from rope_model.physics.elementary import TINY, Scalar, less, maximum
 
 #: last full Newton correction in ``system.norm``, over the rope's length
 REST_TOLERANCE = 1e-11
-#: s, pseudo-time step beyond which the inertia does not matter
+FIRST_TIME = 0.1  #: s, first pseudo-time step tau
+SHORTEST_TIME = 1e-7  #: s, tau at which the search gives up
+#: s, tau beyond which the inertia does not matter
 SETTLED = 1e3
+NEWTON_TIME = 1e8  #: s, tau above which corrections are Newton's
+LONGEST_TIME = 1e12  #: s
+SHRINK = 0.3  #: factor of tau after a correction that is not taken
+SHRINK_OF_INFINITE = 0.1  #: the same after one that is not finite
+LEAST_GROWTH = 1.5  #: least factor of tau after a correction that is taken
+LARGEST_GROWTH = 10.0
+#: work of the forces after a correction over that before it, above which it is not taken: it grows
+#: where a rope goes to and fro between two shapes
+MAX_GAIN = 3.0
+ROUNDED = 10.0  #: unbalanced force over that by which rounding stretches the shortest element
 #: corrections with forces balanced to rounding, after which remaining motion costs no energy; tau
 #: takes at most 51 from its first value to its last
 BALANCED = 200
 #: m or rad, largest move by a correction; beside a thin body no more than half of the way through
 #: it
 MAX_MOVE = 0.3
-#: corrections after which none may end higher than it began: they may go to and fro between two
-#: shapes
+#: corrections after which MAX_GAIN is 1: none may end higher than it began
 PATIENCE = 300
 #: Qk over Qs below which the coupling is symmetric for the search: what its tangent then lacks
 #: leaves this part of the error, and a correction is as good as full; rounding of Qb or Qc is no

@@ -26,6 +26,10 @@ UNBOUNDED = 2**31 - 1
 #: s, beyond it the shortest steps are lost in the rounding of the time
 MAX_START_TIME = 1e10
 
+#: part of a step above which one that step_min bounds counts as the same: the search for an event
+#: fails
+SHORTER = 0.75
+
 #: s, above 1/omega of the legs' longitudinal (0.02 s) and torsional modes (0.06 s), below that of
 #: the loop (1 s)
 SETTLING_TIME = 0.1

@@ -3,7 +3,7 @@
 Contact is no part of the published system: the legs of a rope that is twisted too far pass through
 each other, or one of them through the conveyance and head ropes above the other's end.  The loop's
 yaw, which is counted in time, then stays, and the turns of one leg about the other over the height
-jump by one.  The rule is the engine's (csrc/contact/shaft.c).
+jump by one.  The rule is the engine's (csrc/monitoring/shaft.c).
 """
 
 import math

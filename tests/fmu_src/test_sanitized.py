@@ -21,6 +21,7 @@ CHECKS = (
     "-fno-sanitize-recover=all",
     "-shared-libasan",
     "-DHAS_WIDE_FORMS=0",
+    "-DROPE_CHECKS",
 )
 FIRST_THAT_CHECKS_FUNCTIONS_IN_C = 17
 #: CasADi opens its plugins with RTLD_DEEPBIND, which the address sanitizer refuses.

@@ -61,7 +61,9 @@ def source_paths() -> tuple[str, ...]:
 
 @pytest.mark.parametrize("path", PAGES, ids=[str(path.relative_to(ROOT)) for path in PAGES])
 def test_a_source_that_a_page_names_is_there(path: Path) -> None:
-    named = re.findall(r"`([\w./-]*\w\.(?:py|c|inc))`", path.read_text(encoding="utf-8"))
+    named = re.findall(
+        r"`([\w./-]*\w\.(?:py|c|inc)|[\w./-]+/\w+\.h)`", path.read_text(encoding="utf-8")
+    )
     lost = [
         name
         for name in named

@@ -14,8 +14,9 @@ from checkout import ROOT
 
 PACKAGES = ("rope_model", "fmu_src", "hoist_demo")
 _LAYERS = tomllib.loads(Path(__file__).with_name("layers.toml").read_text(encoding="utf-8"))
-_MAY_IMPORT, _HOMES = _LAYERS.values()
+_MAY_IMPORT, _MAY_INCLUDE, _HOMES = _LAYERS.values()
 MAY_IMPORT = {name: set(names) for name, names in _MAY_IMPORT.items()}
+MAY_INCLUDE = {name: set(names) for name, names in _MAY_INCLUDE.items()}
 HOMES = {name: set(names) for name, names in _HOMES.items()}
 
 
@@ -152,6 +153,65 @@ def test_no_cycles_between_folders() -> None:
     upwards = {"hoist_demo.files.values": {"hoist_demo.cases.table"}}
     with pytest.raises(CycleError, match="hoist_demo"):
         [*TopologicalSorter(folder_graph({**imports_of, **upwards})).static_order()]
+
+
+CSRC = ROOT / "rope_model" / "csrc"
+C_FILES = {
+    path.name: path for path in sorted(CSRC.rglob("*")) if path.suffix in (".c", ".h", ".inc")
+}
+
+
+def c_module(file: str) -> str:
+    """A C file and the header beside it are one module; a template alone is another."""
+    return file.removesuffix(".h").removesuffix(".c")
+
+
+def c_includes() -> dict[str, set[str]]:
+    """Return the written modules of C that each of them includes."""
+    graph: dict[str, set[str]] = {}
+    for name, path in C_FILES.items():
+        found = re.findall(r'^#include "([\w.]+)"', path.read_text(encoding="utf-8"), re.MULTILINE)
+        below = graph.setdefault(c_module(name), set())
+        below |= {c_module(file) for file in found if file in C_FILES} - {c_module(name)}
+    return graph
+
+
+def c_folders(includes_of: Mapping[str, Iterable[str]]) -> dict[str, set[str]]:
+    """Return the folders of C that each of them includes; rope.h alone is in none."""
+    home = {
+        c_module(name): path.parent.relative_to(CSRC).as_posix() for name, path in C_FILES.items()
+    }
+    graph: dict[str, set[str]] = {}
+    for name, found in includes_of.items():
+        below = graph.setdefault(home[name], set())
+        below |= {home[i] for i in found} - {home[name], "."}
+    return graph
+
+
+def test_no_cycles_between_modules_of_c() -> None:
+    graph = c_includes()
+    assert [*TopologicalSorter(graph).static_order()]
+    with pytest.raises(CycleError, match="stepping"):  # as when a module of outputs is included
+        [*TopologicalSorter({**graph, "stepping": {"sensitivity"}}).static_order()]
+
+
+def test_no_cycles_between_folders_of_c() -> None:
+    graph = c_includes()
+    assert [*TopologicalSorter(c_folders(graph)).static_order()]
+    # one inclusion upwards between two modules that know nothing of each other is found
+    upwards = c_folders({**graph, "bodies": {"loop"}})
+    with pytest.raises(CycleError, match="contact"):
+        [*TopologicalSorter(upwards).static_order()]
+
+
+def test_inclusions_of_c_point_down_as_listed() -> None:
+    folders = c_folders(c_includes())
+    assert folders.pop(".") == set()
+    assert folders == MAY_INCLUDE
+
+
+def test_every_c_file_but_the_interface_of_the_engine_is_in_a_layer() -> None:
+    assert [name for name, path in C_FILES.items() if path.parent == CSRC] == ["rope.h"]
 
 
 def test_no_room_is_allowed_what_it_does_not_import() -> None:

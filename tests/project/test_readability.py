@@ -1,6 +1,7 @@
 """Lines read like prose: densities that a formatter does not see stay low, in the product and in its tests."""
 
 import ast
+import re
 from collections import Counter
 
 import pytest
@@ -129,3 +130,44 @@ def test_each_kind_is_found() -> None:
     assert found["long lines"] == 1
     assert found["functions of many arguments"] == 1
     assert found["functions of Any alone"] == 1
+
+
+#: what is left out of a C text: comments, texts, directives
+_NO_CODE = re.compile(
+    r'/\*.*?\*/|"(?:\\.|[^"\\\n])*"|^[ \t]*#(?:\\\n|[^\n])*', re.DOTALL | re.MULTILINE
+)
+#: what a declarator has in parentheses, brackets or an initialiser
+_INSIDE = re.compile(r"\([^()]*\)|\[[^\[\]]*\]|(?:(?<== )|(?<=@))\{[^{}]*\}")
+_DECLARATION = re.compile(r"(?:(?:static|const|struct|unsigned|signed) )*\w+@? \*?\w")
+
+
+def pointers_among_others(text: str) -> list[str]:
+    """Return the declarations of C that declare a pointer and something else, without values."""
+    code = _NO_CODE.sub("", text)
+    while (shorter := _INSIDE.sub("@", code)) != code:
+        code = shorter
+    found = []
+    for statement in re.split("[;{}]", code):
+        names = " ".join(re.sub("=[^,]*", "", statement).split())
+        if "," in names and "*" in names and _DECLARATION.match(names):
+            found.append(names)
+    return found
+
+
+def test_a_declaration_of_c_that_has_a_pointer_declares_no_more() -> None:
+    text = (
+        "void f(const double *q, double h) {\n"
+        "    const Vec x[2 * N], y = {0};\n"
+        "    for (int k = 0; k < n; k++) g(k, *q);\n"
+        "    FN(Step) *one = (T *){a, b};\n"
+        "    double *const both[] = {a,\n        b}, *x = f(b), h = 1; /* mixed */\n"
+        "}\n"
+    )
+    assert pointers_among_others(text) == ["double *const both@ , *x , h"]
+    paths = [
+        *(ROOT / "rope_model" / "csrc").rglob("*.[ch]"),
+        *(ROOT / "rope_model" / "csrc").rglob("*.inc"),
+    ]
+    assert len(paths) > 60
+    found = {path.name: pointers_among_others(path.read_text(encoding="utf-8")) for path in paths}
+    assert {name: names for name, names in found.items() if names} == {}

@@ -32,7 +32,8 @@ int placed_bodies(const Shaft *shaft, const double *const ends[2], Placed *bodie
 }
 
 int bodies_group(int elements, const double *lengths, const double *q, int first, double box[6]) {
-    const double *a = q + (size_t)first * DOF, *b = a + DOF;
+    const double *a = q + (size_t)first * DOF;
+    const double *b = a + DOF;
     double bounds[6] = {a[0], a[1], a[2], a[0], a[1], a[2]};
     int last = first;
     for (; last < elements && last < first + GROUP; last++, a = b, b += DOF)

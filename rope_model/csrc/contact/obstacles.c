@@ -13,6 +13,7 @@
 #include "bodies.h"
 #include "formulas.h"
 #include "rope.h"
+#include "state.h"
 #include "system.h"
 
 void remember_configuration(const System *sys, ClearanceCache *cache, const double *q) {
@@ -22,7 +23,8 @@ void remember_configuration(const System *sys, ClearanceCache *cache, const doub
 }
 
 bool clearance_exceeds(const System *sys, const ClearanceCache *cache, const double *q, double least) {
-    const double *before = cache->q, *l = sys->lengths;
+    const double *before = cache->q;
+    const double *l = sys->lengths;
     if (!(cache->free > least) || memcmp(cache->lengths, l, sizeof(double) * (size_t)sys->elements) != 0) return false;
     for (int node = 0; node <= sys->elements; node++, q += DOF, before += DOF) {
         const double longest = maximum(l[node > 0 ? node - 1 : 0], l[node < sys->elements ? node : node - 1]);
@@ -33,8 +35,9 @@ bool clearance_exceeds(const System *sys, const ClearanceCache *cache, const dou
 
 static void place_bodies(const System *sys, const double *q, const double *v) {
     Obstacles *obstacles = sys->obstacles;
-    const size_t last = (size_t)sys->elements * DOF;
-    const double *const ends[2] = {q, q + last}, *const speeds[2] = {v, v + last};
+    const int nodes = sys->elements + 1;
+    const double *const ends[2] = {q, end_row(q, nodes, RIGHT)};
+    const double *const speeds[2] = {v, end_row(v, nodes, RIGHT)};
     obstacles->bodies = placed_bodies(&obstacles->scene->shaft, ends, obstacles->placed);
     for (int k = 0; k < obstacles->bodies; k++) {
         const int end = obstacles->placed[k].moves_with;
@@ -55,7 +58,8 @@ static bool search_elements(const System *sys, const double *q, int k, int first
     const int side = obstacles->placed[k].moves_with;
     bool added = false;
     for (int e = first; e < last; along += sys->lengths[e++]) {
-        const double middle = along + 0.5 * sys->lengths[e], *x = q + (size_t)e * DOF;
+        const double middle = along + 0.5 * sys->lengths[e];
+        const double *x = q + (size_t)e * DOF;
         double box[6];
         if (side != FIXED && (side == LEFT ? middle : total - middle) < UNCHECKED_LENGTH) continue;
         enclosing_box(sys->lengths[e], x, x + DOF, box);

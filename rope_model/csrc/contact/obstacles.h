@@ -10,8 +10,9 @@
 
 /* Configuration of the latest contact detection. */
 typedef struct {
-    double free;         /* lower bound of all distances, m */
-    double *q, *lengths; /* copies */
+    double free;     /* lower bound of all distances, m */
+    double *q;       /* copy */
+    double *lengths; /* copy */
 } ClearanceCache;
 
 /* Bodies around the rope. */

@@ -48,7 +48,8 @@ static int near_elements(const System *sys, int element) {
 /* Return the distance of an element from a point; xi is the element coordinate of the nearest place. */
 static double nearest_place(const System *sys, const double *q, int element, const double point[3], double *xi) {
     static const double probes[] = PROBE_PLACES;
-    const double *a = q + (size_t)element * DOF, l = sys->lengths[element];
+    const double *a = q + (size_t)element * DOF;
+    const double l = sys->lengths[element];
     double N[4], place[3], least = INFINITY;
     for (int k = 0; k < PROBES; k++) {
         hermite_shape_functions(probes[k], l, N);

@@ -20,6 +20,7 @@
 
 #include "formulas.h"
 #include "messages.h"
+#include "partition.h"
 #include "rope.h"
 #include "rules.h"
 #include "state.h"
@@ -43,7 +44,8 @@ static int largest(int axes, const double *sizes) {
 
 double end_strain(const Scene *scene, int nodes, const double *q, const double *x, int side) {
     const int attachment = scene->swivels[side].attachment, to_next = attachment != CLAMPED ? 0 : side ? -DOF : DOF;
-    const double *t = end_row(q, nodes, side) + to_next + SLOPE, *y = end_row(x, nodes, side) + to_next + SLOPE;
+    const double *t = end_row(q, nodes, side) + to_next + SLOPE;
+    const double *y = end_row(x, nodes, side) + to_next + SLOPE;
     return attachment == PLUMB ? y[1] : dot(y, t) / sqrt(dot(t, t));
 }
 
@@ -106,6 +108,15 @@ void ends_relative(const State *state, int side, double t, double theta, double 
     relative[1] = theta_t - SENSE_OF_YAW[side] * now.yaw_rate;
 }
 
+void ends_freedom(const Scene *scene, const State *state, int side, bool free[DOF]) {
+    const int attachment = scene->swivels[side].attachment;
+    for (int dof = 0; dof < DOF; dof++) free[dof] = false;
+    free[SLOPE] = attachment == HINGED;
+    free[SLOPE + 1] = attachment != CLAMPED;
+    free[SLOPE + 2] = attachment == HINGED;
+    free[ANGLE] = state->swivels[side].phase == SLIP;
+}
+
 void ends_prescribed_motion(const Scene *scene, const State *state, int side, double t, double rows[3][DOF]) {
     held_end(&state->paths[side], t, (side == LEFT ? -0.5 : 0.5) * scene->layout.spacing, SENSE_OF_YAW[side],
              state->offsets[side] + state->swivels[side].angle, rows);
@@ -114,4 +125,13 @@ void ends_prescribed_motion(const Scene *scene, const State *state, int side, do
     path_lean_motion(&state->paths[side], t, leans);
     clamp_axis(leans[0], leans[1], n);
     for (int k = 0; k < 9; k++) rows[k / 3][SLOPE + k % 3] = -SENSE_OF_YAW[side] * n[k / 3][k % 3];
+}
+
+double bottom_arc_length(const Scene *scene, const Path paths[2], double t) {
+    const double left = path_height(&paths[LEFT], t), right = path_height(&paths[RIGHT], t);
+    return 0.5 * (scene->rope.length + left - right);
+}
+
+void dividers_on_rope(const Scene *scene, const Path paths[2], double t, double *divider_s) {
+    mesh_dividers(scene, path_height(&paths[LEFT], t), path_height(&paths[RIGHT], t), divider_s);
 }

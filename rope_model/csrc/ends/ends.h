@@ -2,6 +2,7 @@
 #ifndef ENDS_H
 #define ENDS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <string.h>
 
@@ -36,7 +37,13 @@ double ends_tension(const Scene *scene, const NodalArrays *nodal, int side);
 double ends_moment(const Scene *scene, const State *state, const NodalArrays *nodal, int side);
 /* Angle and rate of the rope's end against the conveyance, from theta and its rate. */
 void ends_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]);
+/* Write which degrees of freedom of an end are not prescribed. */
+void ends_freedom(const Scene *scene, const State *state, int side, bool free[DOF]);
 /* Prescribed q, v and a of an end. */
 void ends_prescribed_motion(const Scene *scene, const State *state, int side, double t, double rows[3][DOF]);
+/* Return the arc length of the loop's lowest point from the heights of the ends at t. */
+double bottom_arc_length(const Scene *scene, const Path paths[2], double t);
+/* Call mesh_dividers with the heights of the ends at t. */
+void dividers_on_rope(const Scene *scene, const Path paths[2], double t, double *divider_s);
 
 #endif

@@ -227,7 +227,8 @@ static void tmn_lengths(const Pattern *pattern, int elements, double *lengths) {
         both = elements_of_legs(elements, counts, levels, longest, ends);
     }
 
-    double *left = lengths + ends[0], *right = lengths + elements - 1 - ends[1];
+    double *left = lengths + ends[0];
+    double *right = lengths + elements - 1 - ends[1];
     fill_inner(counts, left + both_leg_lengths(first, last, growth, both, pattern->windows, left, right));
     end_lengths(levels, longest[0], lengths, 1);
     end_lengths(levels, longest[1], lengths + elements - 1, -1);

@@ -30,7 +30,10 @@ void transfer_interpolate(int nodes, const double *x, const double *s, int count
         /* Find the last element whose left node is left of the place.  Places mostly ascend. */
         while (i < nodes - 2 && s[i + 1] < places[k] + tolerance) i++;
         while (i > 0 && s[i] >= places[k] + tolerance) i--;
-        const double left_s = s[i], right_s = s[i + 1], *left = x + (ptrdiff_t)DOF * i, *right = left + DOF;
+        const double left_s = s[i];
+        const double right_s = s[i + 1];
+        const double *left = x + (ptrdiff_t)DOF * i;
+        const double *right = left + DOF;
 
         /* A place at a node has the node's values exactly. */
         const int nearer_left = places[k] - left_s < right_s - places[k];
@@ -42,10 +45,22 @@ void transfer_interpolate(int nodes, const double *x, const double *s, int count
     }
 }
 
+int middle_before(int nodes, const double *s, int k, double place) {
+    while (k < nodes - 2 && 0.5 * (s[k + 1] + s[k + 2]) <= place) k++;
+    return k;
+}
+
+double interpolate_midpoints(int nodes, const double *s, int k, double place, double value, double next) {
+    double middle = 0.5 * (s[k] + s[k + 1]);
+    if (k == nodes - 2 || place <= middle) return value;
+    return (next - value) / (0.5 * (s[k + 1] + s[k + 2]) - middle) * (place - middle) + value;
+}
+
 /* Add integrals of products of two shape functions to band (2 nodes x CUBIC), as solve_banded takes them. */
 static void cubic_products(int nodes, const double *s, double *band) {
     for (int e = 0; e < nodes - 1; e++, band += 2 * CUBIC) {
-        double products[CUBIC * (CUBIC + 1) / 2], *product = products;
+        double products[CUBIC * (CUBIC + 1) / 2];
+        double *product = products;
         hermite_shape_products(s[e + 1] - s[e], products);
         for (int i = 0; i < CUBIC; i++)
             for (int k = 0; k <= i; k++) band[CUBIC * (i - k) + k] += *product++;
@@ -75,7 +90,8 @@ static void add_missing(int nodes, int fields, const double *const *x, const dou
         for (int k = old; from < end - tolerance; k++) {
             double to = k < nodes - 2 ? fmin(old_s[k + 1], end) : end, old_l = old_s[k + 1] - old_s[k];
             for (int f = 0; f < fields; f++) {
-                double load[2 * DOF], *part = load;
+                double load[2 * DOF];
+                double *part = load;
                 missing_load(from, to, new_s[e], l, old_s[k], old_l, x[f] + (ptrdiff_t)DOF * k,
                              y[f] + (ptrdiff_t)DOF * e, load);
                 for (int i = 0; i < CUBIC; i++)
@@ -91,8 +107,12 @@ static void add_missing(int nodes, int fields, const double *const *x, const dou
 void transfer_fields(int nodes, const double *old_s, const double *new_s, int fields, double *const *x, double *work) {
     const ptrdiff_t n = nodes;
     const int inner = nodes - 2; /* the ends keep their values */
-    double *cubics = work, *lines = cubics + 2 * CUBIC * n, *r = lines + LINEAR * n, *theta = r + 6 * n * fields;
-    const double *before[MAX_FIELDS], *after[MAX_FIELDS];
+    double *cubics = work;
+    double *lines = cubics + 2 * CUBIC * n;
+    double *r = lines + LINEAR * n;
+    double *theta = r + 6 * n * fields;
+    const double *before[MAX_FIELDS];
+    const double *after[MAX_FIELDS];
     double *y[MAX_FIELDS];
     memset(work, 0, sizeof *work * (size_t)((2 * CUBIC + LINEAR + DOF * fields) * n));
     for (int f = 0; f < fields; f++) {

@@ -62,7 +62,7 @@ typedef double Vec2;
 #define STRIDED(p, s) (*(p))
 #define SHIFT_IN(x, y) (y)
 #define SPLAT2(x) (x)
-#define VEC2(x, y) (x)
+#define VEC2(x, y) ((void)(y), (x))
 #define LANE(x, i) (x)
 #define SQRT_Vec(x) sqrt(x)
 #define FABS_Vec(x) fabs(x)

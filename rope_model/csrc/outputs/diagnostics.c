@@ -1,15 +1,14 @@
-/* Shape of the rope for hoist engineers: lowest point, clearance and turns of the legs, tension along the rope. */
+/* The rope for hoist engineers: clearance between its legs, its shape, and the tension along it. */
 
 #include "diagnostics.h"
 
 #include <math.h>
-#include <stdbool.h>
 #include <stddef.h>
 #include <string.h>
 
 #include "formulas.h"
+#include "loop.h"
 #include "rope.h"
-#include "state.h"
 #include "state_structures.h"
 #include "transfer.h"
 
@@ -18,31 +17,6 @@ enum { LEG = OUTLINE / 2 + 1, BLOCK = 4, BLOCKS = (LEG + BLOCK - 1) / BLOCK };
 
 static double clip(double x, double low, double high) {
     return fmin(fmax(x, low), high);
-}
-
-double ends_yaw(const NodalArrays *nodal) {
-    return line_yaw(nodal->q, nodal->q + (ptrdiff_t)DOF * nodal->elements);
-}
-
-LoopBottom loop_bottom(int nodes, const double *q, const double *s) {
-    int lowest = lowest_node(nodes, q), i = lowest < 1 ? 1 : lowest > nodes - 2 ? nodes - 2 : lowest;
-
-    double fine[FINE], rows[FINE][DOF], row[1][DOF], step = (s[i + 1] - s[i - 1]) / (FINE - 1);
-    for (int k = 0; k < FINE; k++) fine[k] = k < FINE - 1 ? k * step + s[i - 1] : s[i + 1];
-    transfer_interpolate(nodes, q, s, FINE, fine, rows);
-    int j = 0;
-    for (int k = 1; k < FINE; k++)
-        if (rows[k][1] < rows[j][1]) j = k;
-    /* lowest point of the parabola through three points */
-    j = j < 1 ? 1 : j > FINE - 2 ? FINE - 2 : j;
-    double before = rows[j - 1][1], after = rows[j + 1][1], bend = before - 2 * rows[j][1] + after;
-    double shift = bend > 0 ? 0.5 * (before - after) / bend : 0.0;
-    LoopBottom bottom;
-    bottom.s = fine[j] + clip(shift, -1.0, 1.0) * (fine[1] - fine[0]);
-    transfer_interpolate(nodes, q, s, 1, &bottom.s, row);
-    memcpy(bottom.position, row[0], sizeof bottom.position);
-    bottom.yaw = atan2(-row[0][SLOPE + 2], row[0][SLOPE]);
-    return bottom;
 }
 
 void shape_places(double total, double bottom_s, double loop, int points, double *places) {
@@ -57,7 +31,8 @@ void diagnostics_shape(int nodes, const double *q, const double *s, int points, 
                        double (*xyz)[3]) {
     for (int k = 0, i = 0; k < points; k++) {
         while (i < nodes - 2 && s[i + 1] < places[k]) i++;
-        const double l = s[i + 1] - s[i], *a = q + (ptrdiff_t)DOF * i;
+        const double l = s[i + 1] - s[i];
+        const double *a = q + (ptrdiff_t)DOF * i;
         position_at((places[k] - s[i]) / l, l, a, a + DOF, xyz[k]);
     }
 }
@@ -70,13 +45,15 @@ void diagnostics_tension(const NodalArrays *arrays, double rho, double gravity, 
     for (int k = 0; k < points; k++) {
         /* Integrate the acceleration, cubic between the nodes, over the elements to the left ... */
         for (; i < arrays->elements - 1 && s[i + 1] <= places[k]; i++) {
-            const double *a = arrays->a + (ptrdiff_t)DOF * i, *b = a + DOF;
+            const double *a = arrays->a + (ptrdiff_t)DOF * i;
+            const double *b = a + DOF;
             double l = arrays->lengths[i];
             for (int axis = 0; axis < 3; axis++)
                 before[axis] += hermite_integral(l, a[axis], a[SLOPE + axis], b[axis], b[SLOPE + axis]);
         }
         /* ... and over the part of the present element. */
-        const double *a = arrays->a + (ptrdiff_t)DOF * i, *b = a + DOF;
+        const double *a = arrays->a + (ptrdiff_t)DOF * i;
+        const double *b = a + DOF;
         double l = arrays->lengths[i], xi = (places[k] - s[i]) / l, force[3];
         transfer_interpolate(arrays->nodes, arrays->q, s, 1, &places[k], row);
         for (int axis = 0; axis < 3; axis++) {
@@ -89,24 +66,14 @@ void diagnostics_tension(const NodalArrays *arrays, double rho, double gravity, 
     }
 }
 
-int middle_before(int nodes, const double *s, int k, double place) {
-    while (k < nodes - 2 && 0.5 * (s[k + 1] + s[k + 2]) <= place) k++;
-    return k;
-}
-
-double interpolate_midpoints(int nodes, const double *s, int k, double place, double value, double next) {
-    double middle = 0.5 * (s[k] + s[k + 1]);
-    if (k == nodes - 2 || place <= middle) return value;
-    return (next - value) / (0.5 * (s[k + 1] + s[k + 2]) - middle) * (place - middle) + value;
-}
-
 /* Copy the points of a leg upwards from where it first reaches `height`; return their number.  `first` is the leg's
    lowest point, `stride` the step to the next, in points. */
 static int part_above(double (*first)[3], int stride, double height, double part[LEG][3]) {
     int i = 0, n = 0;
     while (i < LEG && first[stride * i][1] < height) i++;
     if (i == LEG) return 0;
-    const double *below = first[stride * (i > 0 ? i - 1 : 0)], *above = first[stride * i];
+    const double *below = first[stride * (i > 0 ? i - 1 : 0)];
+    const double *above = first[stride * i];
     double rise = above[1] - below[1], fraction = rise > 0 ? (height - below[1]) / rise : 1.0;
     for (int axis = 0; axis < 3; axis++) part[0][axis] = below[axis] + fraction * (above[axis] - below[axis]);
     i += fraction >= 1.0;
@@ -136,7 +103,9 @@ static void blocks_of(int points, double point[LEG][3], double bounds[BLOCKS][6]
 /* Return the smallest square of a distance between points and pieces of a polygon, or `least` if that is smaller. */
 static double nearest_squared(int points, double point[][3], int pieces, double corner[][3], double least) {
     for (int m = 0; m < pieces; m++) {
-        const double *a = corner[m], *b = corner[m + 1], along[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+        const double *a = corner[m];
+        const double *b = corner[m + 1];
+        const double along[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
         for (int n = 0; n < points; n++) least = minimum(least, squared_distance(point[n], a, along));
     }
     return least;
@@ -182,90 +151,4 @@ double leg_clearance(int nodes, const double *q, const double *s, const LoopBott
     const int rights = part_above(lowest, 1, height, right);
     if (lefts < 2 || rights < 2) return HUGE_VAL;
     return sqrt(smallest_squared(lefts, left, rights, right, pair)) - diameter;
-}
-
-/* A way up a leg, in PIECES per element. */
-typedef struct {
-    const NodalArrays *nodal;
-    int point, last; /* next point, and the leg's end */
-    double low[3];   /* latest point higher than all before it */
-    double high[3];  /* next such point; its height is HUGE_VAL for none */
-} Climb;
-
-static void point_of(const NodalArrays *nodal, int point, double place[3]) {
-    const int element = point / PIECES, piece = point % PIECES;
-    const double *a = nodal->q + (ptrdiff_t)DOF * element;
-    if (piece == 0)
-        memcpy(place, a, 3 * sizeof *place);
-    else
-        position_at((double)piece / PIECES, nodal->lengths[element], a, a + DOF, place);
-}
-
-static void climb_on(Climb *leg) {
-    const int step = leg->last == 0 ? -1 : 1;
-    double place[3];
-    memcpy(leg->low, leg->high, sizeof leg->low);
-    leg->high[1] = HUGE_VAL;
-    while ((leg->last - leg->point) * step >= 0 && leg->high[1] == HUGE_VAL) {
-        point_of(leg->nodal, leg->point, place);
-        if (place[1] > leg->low[1]) memcpy(leg->high, place, sizeof leg->high);
-        leg->point += step;
-    }
-}
-
-/* Interpolate a coordinate at a height between low and high. */
-static double climb_at(const Climb *leg, double height, int axis) {
-    const double fraction = (height - leg->low[1]) / (leg->high[1] - leg->low[1]);
-    return leg->low[axis] + fraction * (leg->high[axis] - leg->low[axis]);
-}
-
-bool legs_apart(const NodalArrays *nodal, const double across[2], double diameter, double above) {
-    const int lowest = lowest_node(nodal->nodes, nodal->q);
-    const double *left = nodal->q, *low = left + (ptrdiff_t)DOF * lowest,
-                 *right = left + (ptrdiff_t)DOF * nodal->elements;
-    double normal[3];
-    bool apart = 0 < lowest && lowest < nodal->elements;
-    int k = 0;
-    plane_between(left, right, low, across, normal);
-    for (const double *q = left; q < low; q += DOF, k++)
-        apart &= side_gap(-1.0, nodal->lengths[k], q, q + DOF, left[1], low, normal, diameter, above) >= 0;
-    for (const double *q = low; q < right; q += DOF, k++)
-        apart &= side_gap(1.0, nodal->lengths[k], q + DOF, q, right[1], low, normal, diameter, above) >= 0;
-    return apart && min_slope(nodal->lengths[lowest - 1], low - DOF, low, across) > 0 &&
-           min_slope(nodal->lengths[lowest], low, low + DOF, across) > 0;
-}
-
-static double point_s(const NodalArrays *nodal, int point) {
-    const int element = point / PIECES;
-    return nodal->s[element] + nodal->lengths[element] * (point % PIECES) / PIECES;
-}
-
-LoopTurns loop_turns(const NodalArrays *nodal, const LoopBottom *bottom) {
-    const int last = PIECES * nodal->elements;
-    int next = 1;
-    while (next < last && point_s(nodal, next) < bottom->s) next++;
-    Climb left = {nodal, next - 1, 0, {0}, {0}}, right = {nodal, next, last, {0}, {0}};
-    memcpy(left.high, bottom->position, sizeof left.high);
-    memcpy(right.high, bottom->position, sizeof right.high);
-    climb_on(&left);
-    climb_on(&right);
-    double across[2], angle = 0, sharpest = -1, below = bottom->position[1];
-    LoopTurns turns = {0, below};
-    heading(bottom->yaw, across);
-    double height = fmin(left.high[1], right.high[1]);
-    while (height < HUGE_VAL) {
-        const double next_across[2] = {climb_at(&right, height, 0) - climb_at(&left, height, 0),
-                                       climb_at(&right, height, 2) - climb_at(&left, height, 2)};
-        const double turned = angle_between(across, next_across);
-        if (fabs(turned) > sharpest) turns.sharpest_y = 0.5 * (below + height);
-        sharpest = fmax(sharpest, fabs(turned));
-        angle -= turned;
-        below = height;
-        memcpy(across, next_across, sizeof across);
-        if (left.high[1] <= height) climb_on(&left);
-        if (right.high[1] <= height) climb_on(&right);
-        height = fmin(left.high[1], right.high[1]);
-    }
-    turns.number = angle / (2 * PI);
-    return turns;
 }

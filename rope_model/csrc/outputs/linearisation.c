@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "chain.h"
-#include "diagnostics.h"
 #include "formulas.h"
+#include "loop.h"
 #include "obstacles.h"
 #include "rope.h"
 #include "rope_system.h"

@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "adaptation.h"
+#include "communication_step.h"
 #include "ends.h"
 #include "formulas.h"
 #include "host_step.h"
@@ -56,7 +57,8 @@ typedef struct {
 static void end_loads(const Scene *scene, State *state, double loads[LOADS]) {
     const NodalArrays nodal = state_arrays(state);
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double *q = end_row(nodal.q, nodal.nodes, side), *R = end_row(nodal.reaction, nodal.nodes, side);
+        const double *q = end_row(nodal.q, nodal.nodes, side);
+        const double *R = end_row(nodal.reaction, nodal.nodes, side);
         conveyance_load(q, R, ends_moment(scene, state, &nodal, side), loads + 6 * side);
     }
 }
@@ -105,7 +107,7 @@ static RopeStatus repeat(Simulator *sim, const Change *change, double times, dou
     for (int k = 0; k < PATHS; k++)
         for (int power = 0; power < POWERS; power++)
             (k < AXES ? path->coefficients[k] : path->leans[k - AXES])[power] += times * change->coefficients[k][power];
-    rope_system_refer(sim, sim->state, state_arrays(sim->state).q);
+    rope_system_refer(sim, state, state_arrays(state).q);
     if (state->fidelity != replay->fidelity && !raise_fidelity(sim, state, "", sim->message)) return ROPE_FAILED;
     for (int k = 0; k < replay->count; k++)
         if (!repeat_step(sim, state, &replay->steps[k], sim->message)) return ROPE_FAILED;
@@ -137,7 +139,7 @@ static double largest_factor(const Replay *replay, bool has_wires, const Change 
 
 /* Differentiate the loads at the end of the recorded step along a change. */
 static RopeStatus derivative_along(Simulator *sim, const Change *change, double derivative[LOADS]) {
-    const double factor = largest_factor(&sim->replay, sim->wires != NULL, change);
+    const double factor = largest_factor(&sim->replay, sim->reference.wires != NULL, change);
     double loads[2][LOADS];
     memset(derivative, 0, sizeof(double) * LOADS);
     if (factor == 0) return ROPE_DONE;

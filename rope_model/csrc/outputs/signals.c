@@ -1,9 +1,8 @@
 /* Values of the rope's outputs, by the names of signals.signal_table. */
 
-#include "signals.h"
-
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "contact_balance.h"
@@ -11,16 +10,19 @@
 #include "ends.h"
 #include "formulas.h"
 #include "guards.h"
+#include "loop.h"
 #include "partition.h"
 #include "rigid.h"
 #include "rope.h"
 #include "rope_system.h"
+#include "sensitivity.h"
 #include "shaft.h"
 #include "signal_numbers.h"
 #include "simulator.h"
 #include "state.h"
 #include "state_structures.h"
 #include "system.h"
+#include "transfer.h"
 
 #include "state_signals.h" /* state_signals: generated */
 
@@ -38,7 +40,8 @@ static void end_signals(Simulator *sim, double *values) {
     const State *state = sim->state;
     const NodalArrays nodal = state_arrays(sim->state);
     for (int side = LEFT; side <= RIGHT; side++, values += SIGNAL_RIGHT_FX - SIGNAL_LEFT_FX) {
-        const double *q = end_row(nodal.q, nodal.nodes, side), *v = end_row(nodal.v, nodal.nodes, side);
+        const double *q = end_row(nodal.q, nodal.nodes, side);
+        const double *v = end_row(nodal.v, nodal.nodes, side);
         const double *reaction = end_row(nodal.reaction, nodal.nodes, side);
         const double torque = ends_moment(&sim->scene, state, &nodal, side);
         conveyance_load(q, reaction, torque, values + SIGNAL_LEFT_FX);
@@ -112,7 +115,8 @@ static void audit_signals(Simulator *sim, double *values) {
 static void error_signals(Simulator *sim, double *values) {
     const State *state = sim->state;
     const double fine_length = partition_fine_length(&state->pattern, state_arrays(sim->state).lengths);
-    const InputFilter *left = &state->filters[LEFT], *right = &state->filters[RIGHT];
+    const InputFilter *left = &state->filters[LEFT];
+    const InputFilter *right = &state->filters[RIGHT];
     double at_ends = end_force_error(&sim->scene.rope, &state->errors);
     double of_place = loop_error(&sim->scene, &state->errors, fine_length, state->pattern.grading_length);
     at_ends = add_contact_end_error(at_ends, &state->contact, state->errors.time, state->errors.force);
@@ -188,8 +192,18 @@ static void station_signals(Simulator *sim, double *values) {
     points_at(sim->state, places, values + SIGNAL_STATION_X_1);
 }
 
-SignalGroup group_of(int signal) {
+/* Return a signal; the first call after a change of state computes its group. */
+static double value_of(Simulator *sim, int signal) {
     static const signed char groups[] = SIGNAL_GROUPS;
+    /* each writes the values of its group into (SIGNALS) */
     static void (*const compute[])(Simulator *, double *) = GROUP_FUNCTIONS;
-    return (SignalGroup){groups[signal], compute[(int)groups[signal]]};
+    if (!sim->initialized || signal < 0 || signal >= SIGNALS) return NAN;
+    const int group = groups[signal];
+    if (!(sim->computed_groups & 1u << group)) compute[group](sim, sim->values);
+    sim->computed_groups |= 1u << group;
+    return sim->values[signal];
+}
+
+void rope_signals(Simulator *sim, size_t count, const int *signals, double *values) {
+    for (size_t k = 0; k < count; k++) values[k] = value_of(sim, signals[k]);
 }

@@ -26,6 +26,7 @@
 #include "formulas.h"
 #include "messages.h"
 #include "obstacles.h"
+#include "rigid.h"
 #include "rope.h"
 #include "rope_system.h"
 #include "rules.h"
@@ -120,7 +121,7 @@ static RopeStatus lay_down(Simulator *sim, State *state, char *message) {
 /* Find the equilibrium of the straight rope first, then add its permanent curvature in steps. */
 static RopeStatus let_curve(Simulator *sim, State *state, char *message) {
     const Rope whole = sim->scene.rope;
-    const int parts = is_curved(sim->curved, &sim->scene.rope, state->fidelity) ? CURVATURE_STEPS : 0;
+    const int parts = is_curved(sim->reference.curved, &sim->scene.rope, state->fidelity) ? CURVATURE_STEPS : 0;
     RopeStatus found = ROPE_DONE;
     for (int k = 0; k <= parts && found; k++) {
         if (parts > 0) sim->scene.rope = partly_curved(&whole, (double)k / parts);
@@ -190,7 +191,7 @@ static RopeStatus relax(Simulator *sim, State *state, const Before *before, char
             state->swivels[side] = (SwivelState){.angle = relative[0], .phase = LOCKED};
         }
         if (!equilibrium_in_frame(sim, state, INFINITY, message)) return ROPE_FAILED;
-    } while (is_curved(sim->curved, &sim->scene.rope, state->fidelity));
+    } while (is_curved(sim->reference.curved, &sim->scene.rope, state->fidelity));
     return ROPE_DONE;
 }
 
@@ -229,6 +230,6 @@ RopeStatus release_free_swivels(Simulator *sim, State *state, char *message) {
         if (sim->scene.swivels[side].mode == FREE_MODE) state->swivels[side].phase = SLIP;
     state->rubs = 0; /* as while the rope was hung up: wires begin at rest without a moment */
     if (!equilibrium_in_frame(sim, state, INFINITY, message)) return ROPE_FAILED;
-    if (start_hysteresis(sim->wires, state)) rope_system_refer(sim, state, state_arrays(state).q);
+    if (start_hysteresis(sim->reference.wires, state)) rope_system_refer(sim, state, state_arrays(state).q);
     return ROPE_DONE;
 }

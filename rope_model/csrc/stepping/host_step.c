@@ -9,10 +9,12 @@
 #include "adaptation.h"
 #include "ends.h"
 #include "fidelity.h"
+#include "fidelity_name.h"
 #include "formulas.h"
 #include "guards.h"
 #include "messages.h"
 #include "rope.h"
+#include "rope_system.h"
 #include "shaft.h"
 #include "simulator.h"
 #include "state.h"
@@ -116,12 +118,14 @@ RopeStatus take_host_step(Simulator *sim, const HostStep *host, int *event) {
     double t = host->stop;
     *event = 0;
     memcpy(state, sim->state, sim->state_bytes);
+    rope_system_adopt(sim, state);
     state->switched = state->event_count = 0;
     sim->newton_limit =
         state->counts.newton + (sim->scene.solver.work_max > 0 ? sim->scene.solver.work_max : INT32_MAX);
     if (!move_ends(sim, state, t, ends, host->given_at)) return ROPE_FAILED;
     const NodalArrays nodal = state_arrays(state);
-    const double *audited = state->audit.impulse + AUDIT_END_LOADS, already[2] = {audited[LEFT], audited[RIGHT]};
+    const double *audited = state->audit.impulse + AUDIT_END_LOADS;
+    const double already[2] = {audited[LEFT], audited[RIGHT]};
     double rigid_impulse[2] = {0, 0};
     const double most = max_iterations(t - begin, step_max);
     const int64_t newton_before = sim->state->counts.newton;

@@ -26,7 +26,6 @@
 
 #include "chain.h"
 #include "curvature.h"
-#include "diagnostics.h"
 #include "formulas.h"
 #include "messages.h"
 #include "rope.h"
@@ -50,55 +49,95 @@ static double work_along(const System *sys, const double *R, const double *x) {
 
 /* Return the largest unbalanced force, N. */
 static double imbalance(const System *sys, const double *R) {
-    return rope_system_norm(sys, R, 1. / sys->shortest);
+    return chain_norm(sys, R, 1. / sys->shortest);
+}
+
+/* A correction x: what forces were unbalanced before it, and are after it. */
+typedef struct {
+    double error;     /* square of the error before it, -R . x, N m */
+    double force;     /* largest unbalanced force before it, N */
+    double work_left; /* R . x after it, N m */
+    double force_left;
+} Correction;
+
+/* True if a correction is taken.  It may raise the residual's norm, as stretch by moving sideways grows with the cube
+   of the step, but not the energy.  Where the tangent is indefinite the correction climbs: a smaller tau adds inertia.
+ */
+static bool accepts(const Correction *correction, double rounding, double max_gain) {
+    const bool climbs = correction->error < 0 && correction->force > rounding;
+    const bool ends_low =
+        correction->work_left <= max_gain * correction->error || correction->force_left <= correction->force + rounding;
+    return !climbs && isfinite(correction->force_left) && ends_low;
+}
+
+/* Return tau after a correction that was taken. */
+static double longer_time(double tau, const Correction *correction) {
+    const double fall = correction->force / fmax(correction->force_left, TINY);
+    return fmin(tau * fmin(STATICS_LARGEST_GROWTH, fmax(STATICS_LEAST_GROWTH, fall)), STATICS_LONGEST_TIME);
+}
+
+/* Put the ends in their places, clear the reactions, and refer the frames to the shape. */
+static void hold(Simulator *sim, State *state) {
+    const NodalArrays nodal = state_arrays(state);
+    const double slope[3] = {nodal.q[SLOPE], nodal.q[SLOPE + 1], nodal.q[SLOPE + 2]};
+    memset(nodal.reaction, 0, sizeof(double) * DOF * (size_t)nodal.nodes);
+    rope_system_prescribed_motion(&sim->scene, state, state->t, 1, &(double *){nodal.q});
+    carry_director(state, slope, nodal.q + SLOPE);
+    rope_system_refer(sim, state, nodal.q);
 }
 
 RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char *message) {
-    const NodalArrays nodal = state_arrays(state), *scratch = &sim->trial;
+    const NodalArrays nodal = state_arrays(state);
+    hold(sim, state);
     const System sys = rope_system(sim, state);
     const Chain *chain = chain_of(sim, state);
-    const size_t size = (size_t)nodal.nodes * DOF, bytes = sizeof(double) * size;
-    double *trial = scratch->q, *zeros = scratch->v, *R = scratch->a, *now = scratch->b, *x = sim->x;
-    double balance[BALANCE], tau = 0.1, previous = 0, turned = 0, relaxed = 1, last = 0;
+    const size_t size = (size_t)nodal.nodes * DOF;
+    const size_t bytes = sizeof(double) * size;
+    double *trial = sim->trial.q;
+    double *zeros = sim->trial.v;
+    double *R = sim->trial.a;
+    double *now = sim->trial.b;
+    double *x = sim->x;
+    double balance[BALANCE];
     const bool shortened = lacks_symmetry(sys.P[P_QS], sys.P[P_QK]) > 0;
     const double largest = fmin(MAX_MOVE, 0.5 * min_body_thickness(&sim->scene));
-    int balanced = 0, k;
+    const double length = nodal.s[nodal.elements];
+    const double rounding = STATICS_ROUNDED * DBL_EPSILON * sim->scene.rope.Qa * length / sys.shortest;
+    Correction correction = {0};
+    double tau = STATICS_FIRST_TIME;
+    double turned = 0;
+    double relaxed = 1; /* part of a correction that is taken */
+    double last = 0;    /* error before the latest correction, if it was taken whole */
+    int balanced = 0;
+    int k;
     sim->turned = false;
-    const double rounding = 10 * DBL_EPSILON * sim->scene.rope.Qa * nodal.s[nodal.elements] / sys.shortest;
     memset(zeros, 0, bytes);
-    memset(nodal.reaction, 0, bytes);
-    const double slope[3] = {nodal.q[SLOPE], nodal.q[SLOPE + 1], nodal.q[SLOPE + 2]};
-    rope_system_prescribed_motion(&sim->scene, state, &sys, state->t, 1, &(double *){nodal.q});
-    carry_director(state, slope, nodal.q + SLOPE);
-    rope_system_refer(sim, state, nodal.q);
-    for (k = 0; k < MAX_ITERATIONS && tau >= 1e-7; k++) {
+    for (k = 0; k < MAX_ITERATIONS && tau >= STATICS_SHORTEST_TIME; k++) {
         sim->corrections++;
         const int64_t solutions = sim->self_contact->solutions;
         const double c[3] = {1, 0, pow(tau, -2)};
         chain->newton_step(&sys, sim->work, nodal.q, zeros, zeros, nodal.reaction, c, 0, x, now);
-        previous = imbalance(&sys, now);
+        correction.force = imbalance(&sys, now);
         sim->solutions += sim->self_contact->solutions - solutions;
-        if (sim->solutions > MAX_SOLUTIONS) return say_winds_about_itself(message, previous, MAX_SOLUTIONS);
-        const double move = rope_system_norm(&sys, x, 1), norm = rope_system_norm(&sys, x, sys.shortest);
+        if (sim->solutions > MAX_SOLUTIONS) return say_winds_about_itself(message, correction.force, MAX_SOLUTIONS);
+        const double move = chain_norm(&sys, x, 1);
+        const double norm = chain_norm(&sys, x, sys.shortest);
         if (!isfinite(move)) {
-            tau *= 0.1;
+            tau *= STATICS_SHRINK_OF_INFINITE;
             continue;
         }
-        const double error = -work_along(&sys, now, x);
+        correction.error = -work_along(&sys, now, x);
         /* The tangent lacks the part of the law without energy; relaxation makes up for it. */
-        if (shortened && tau > SETTLED && last > 0) relaxed = relaxation(error / last, relaxed);
-        const double step = fmin(relaxed, largest / fmax(move, 1e-300));
-        last = step < relaxed ? 0 : error; /* how a step that is cut changes the error tells nothing of the tangent */
+        if (shortened && tau > SETTLED && last > 0) relaxed = relaxation(correction.error / last, relaxed);
+        const double step = fmin(relaxed, largest / fmax(move, TINY));
+        /* How a step that is cut changes the error tells nothing of the tangent. */
+        last = step < relaxed ? 0 : correction.error;
         for (size_t i = 0; i < size; i++) trial[i] = nodal.q[i] + step * x[i];
         chain->evaluate(&sys, trial, zeros, zeros, now, R, balance);
-        const double force = imbalance(&sys, R);
-        /* A step may raise the residual's norm, as stretch by moving sideways grows with the cube of the step, but not
-           the energy.  Where the tangent is indefinite the correction climbs: a smaller tau adds inertia. */
-        const bool climbs = error < 0 && previous > rounding;
-        const double uphill = k < PATIENCE ? 3 : 1;
-        const bool ends_low = work_along(&sys, R, x) <= uphill * error || force <= previous + rounding;
-        if (climbs || !isfinite(force) || !ends_low) {
-            tau *= 0.3;
+        correction.force_left = imbalance(&sys, R);
+        correction.work_left = work_along(&sys, R, x);
+        if (!accepts(&correction, rounding, k < PATIENCE ? STATICS_MAX_GAIN : 1)) {
+            tau *= STATICS_SHRINK;
             last = 0;
             continue;
         }
@@ -107,33 +146,12 @@ RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char 
         if (sim->turned) break;
         memcpy(nodal.q, trial, bytes);
         memcpy(nodal.reaction, R, bytes);
-        balanced += force <= rounding;
-        if (balanced > BALANCED || (tau > 1e8 && norm < REST_TOLERANCE * nodal.s[nodal.elements])) {
+        balanced += correction.force_left <= rounding;
+        if (balanced > BALANCED || (tau > STATICS_NEWTON_TIME && norm < REST_TOLERANCE * length)) {
             state->offsets[RIGHT] += turned;
             return ROPE_DONE;
         }
-        tau *= fmin(10, fmax(1.5, previous / fmax(force, 1e-300)));
-        tau = fmin(tau, 1e12);
+        tau = longer_time(tau, &correction);
     }
-    return say_no_equilibrium(message, k, previous);
-}
-
-RopeStatus hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q,
-                         char *message) {
-    message[0] = '\0';
-    double length = s[nodes - 1];
-    double across[3] = {right[0] - left[0], 0.0, right[2] - left[2]};
-    double width = hypot(across[0], across[2]);
-    if (width == 0) return say_ends_above_each_other(message, fabs(left[1] - right[1]));
-    for (int axis = 0; axis < 3; axis++) across[axis] /= width;
-    double middle = 0.5 * (length + left[1] - right[1]); /* arc length of the lowest point */
-    /* length of the elements there */
-    const int e = middle_before(nodes, s, 0, middle);
-    const double cell =
-        interpolate_midpoints(nodes, s, e, middle, s[e + 1] - s[e], e < nodes - 2 ? s[e + 2] - s[e + 1] : 0.0);
-    InitialShape legs = initial_shape(length, middle, width, cell);
-    if (minimum(legs.left_leg, legs.right_leg) <= legs.lean)
-        return say_rope_too_short(message, length, width, fabs(left[1] - right[1]));
-    for (int k = 0; k < nodes; k++) initial_node_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
-    return ROPE_DONE;
+    return say_no_equilibrium(message, k, correction.force);
 }

@@ -4,9 +4,6 @@
 
 #include "state_structures.h"
 
-/* Initial shape q of a rope between two suspension points. */
-RopeStatus hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q,
-                         char *message);
 /* Set q to an equilibrium, reaction to its residual.  Fail if theta turns by over max_turn (rad) at the right end. */
 RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char *message);
 

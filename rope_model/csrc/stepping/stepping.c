@@ -1,4 +1,8 @@
-/* One step of the rope: step-size control, swivel events and transformations. */
+/* One step of the rope: step-size control, swivel events and transformations.
+
+   Steps end at the instants where a swivel is released or changes between stick and slip.  A transformation of the mesh
+   waits for a step's end, unless the step would carry the loop MAX_OVERSHOOT l beyond the limit.  A step that does not
+   converge or whose error is too large is rejected, halved and repeated, down to the smallest step. */
 
 #include "stepping.h"
 
@@ -9,6 +13,8 @@
 #include <string.h>
 
 #include "adaptation.h"
+#include "communication_step.h"
+#include "ends.h"
 #include "events.h"
 #include "formulas.h"
 #include "generalized_alpha.h"
@@ -16,7 +22,6 @@
 #include "rigid.h"
 #include "rope.h"
 #include "rules.h"
-#include "sensitivity.h"
 #include "simulator.h"
 #include "state_structures.h"
 #include "switching.h"
@@ -148,7 +153,7 @@ RopeStatus step_towards(Simulator *sim, State *state, double t_end, char *messag
         if (switching != NOT_FOUND) break;
         /* A shorter step may not reach the event, or locate it more easily. */
         state->step_next = fmax(0.5 * (end - state->t), sim->scene.solver.step_min);
-        if (state->step_next > 0.75 * (end - state->t))
+        if (state->step_next > SHORTER * (end - state->t))
             return say_step_to_event_fails(message, NEWTON_MESSAGES[trial.newton.status]);
         state->counts.rejections += 1;
     }

@@ -2,7 +2,7 @@
 #ifndef STEPPING_H
 #define STEPPING_H
 
-#include "sensitivity.h"
+#include "communication_step.h"
 #include "state_structures.h"
 
 RopeStatus as_rigid(Simulator *sim, State *state, double t, char *message);         /* Move the rigid model to t. */

@@ -1,0 +1,126 @@
+/* Shape of the loop: lowest point, yaw, and turns of its sides about each other. */
+
+#include "loop.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "formulas.h"
+#include "rope.h"
+#include "state.h"
+#include "state_structures.h"
+#include "transfer.h"
+
+double ends_yaw(const NodalArrays *nodal) {
+    return line_yaw(nodal->q, end_row(nodal->q, nodal->nodes, RIGHT));
+}
+
+LoopBottom loop_bottom(int nodes, const double *q, const double *s) {
+    int lowest = lowest_node(nodes, q), i = lowest < 1 ? 1 : lowest > nodes - 2 ? nodes - 2 : lowest;
+
+    double fine[FINE], rows[FINE][DOF], row[1][DOF], step = (s[i + 1] - s[i - 1]) / (FINE - 1);
+    for (int k = 0; k < FINE; k++) fine[k] = k < FINE - 1 ? k * step + s[i - 1] : s[i + 1];
+    transfer_interpolate(nodes, q, s, FINE, fine, rows);
+    int j = 0;
+    for (int k = 1; k < FINE; k++)
+        if (rows[k][1] < rows[j][1]) j = k;
+    /* lowest point of the parabola through three points */
+    j = j < 1 ? 1 : j > FINE - 2 ? FINE - 2 : j;
+    double before = rows[j - 1][1], after = rows[j + 1][1], bend = before - 2 * rows[j][1] + after;
+    double shift = bend > 0 ? 0.5 * (before - after) / bend : 0.0;
+    LoopBottom bottom;
+    bottom.s = fine[j] + fmin(fmax(shift, -1.0), 1.0) * (fine[1] - fine[0]);
+    transfer_interpolate(nodes, q, s, 1, &bottom.s, row);
+    memcpy(bottom.position, row[0], sizeof bottom.position);
+    bottom.yaw = atan2(-row[0][SLOPE + 2], row[0][SLOPE]);
+    return bottom;
+}
+
+/* A way up a leg, in PIECES per element. */
+typedef struct {
+    const NodalArrays *nodal;
+    int point, last; /* next point, and the leg's end */
+    double low[3];   /* latest point higher than all before it */
+    double high[3];  /* next such point; its height is HUGE_VAL for none */
+} Climb;
+
+static void point_of(const NodalArrays *nodal, int point, double place[3]) {
+    const int element = point / PIECES, piece = point % PIECES;
+    const double *a = nodal->q + (ptrdiff_t)DOF * element;
+    if (piece == 0)
+        memcpy(place, a, 3 * sizeof *place);
+    else
+        position_at((double)piece / PIECES, nodal->lengths[element], a, a + DOF, place);
+}
+
+static void climb_on(Climb *leg) {
+    const int step = leg->last == 0 ? -1 : 1;
+    double place[3];
+    memcpy(leg->low, leg->high, sizeof leg->low);
+    leg->high[1] = HUGE_VAL;
+    while ((leg->last - leg->point) * step >= 0 && leg->high[1] == HUGE_VAL) {
+        point_of(leg->nodal, leg->point, place);
+        if (place[1] > leg->low[1]) memcpy(leg->high, place, sizeof leg->high);
+        leg->point += step;
+    }
+}
+
+/* Interpolate a coordinate at a height between low and high. */
+static double climb_at(const Climb *leg, double height, int axis) {
+    const double fraction = (height - leg->low[1]) / (leg->high[1] - leg->low[1]);
+    return leg->low[axis] + fraction * (leg->high[axis] - leg->low[axis]);
+}
+
+bool legs_apart(const NodalArrays *nodal, const double across[2], double diameter, double above) {
+    const int lowest = lowest_node(nodal->nodes, nodal->q);
+    const double *left = nodal->q;
+    const double *low = left + (ptrdiff_t)DOF * lowest;
+    const double *right = end_row(left, nodal->nodes, RIGHT);
+    double normal[3];
+    bool apart = 0 < lowest && lowest < nodal->elements;
+    int k = 0;
+    plane_between(left, right, low, across, normal);
+    for (const double *q = left; q < low; q += DOF, k++)
+        apart &= side_gap(-1.0, nodal->lengths[k], q, q + DOF, left[1], low, normal, diameter, above) >= 0;
+    for (const double *q = low; q < right; q += DOF, k++)
+        apart &= side_gap(1.0, nodal->lengths[k], q + DOF, q, right[1], low, normal, diameter, above) >= 0;
+    return apart && min_slope(nodal->lengths[lowest - 1], low - DOF, low, across) > 0 &&
+           min_slope(nodal->lengths[lowest], low, low + DOF, across) > 0;
+}
+
+static double point_s(const NodalArrays *nodal, int point) {
+    const int element = point / PIECES;
+    return nodal->s[element] + nodal->lengths[element] * (point % PIECES) / PIECES;
+}
+
+LoopTurns loop_turns(const NodalArrays *nodal, const LoopBottom *bottom) {
+    const int last = PIECES * nodal->elements;
+    int next = 1;
+    while (next < last && point_s(nodal, next) < bottom->s) next++;
+    Climb left = {nodal, next - 1, 0, {0}, {0}}, right = {nodal, next, last, {0}, {0}};
+    memcpy(left.high, bottom->position, sizeof left.high);
+    memcpy(right.high, bottom->position, sizeof right.high);
+    climb_on(&left);
+    climb_on(&right);
+    double across[2], angle = 0, sharpest = -1, below = bottom->position[1];
+    LoopTurns turns = {0, below};
+    heading(bottom->yaw, across);
+    double height = fmin(left.high[1], right.high[1]);
+    while (height < HUGE_VAL) {
+        const double next_across[2] = {climb_at(&right, height, 0) - climb_at(&left, height, 0),
+                                       climb_at(&right, height, 2) - climb_at(&left, height, 2)};
+        const double turned = angle_between(across, next_across);
+        if (fabs(turned) > sharpest) turns.sharpest_y = 0.5 * (below + height);
+        sharpest = fmax(sharpest, fabs(turned));
+        angle -= turned;
+        below = height;
+        memcpy(across, next_across, sizeof across);
+        if (left.high[1] <= height) climb_on(&left);
+        if (right.high[1] <= height) climb_on(&right);
+        height = fmin(left.high[1], right.high[1]);
+    }
+    turns.number = angle / (2 * PI);
+    return turns;
+}

@@ -1,0 +1,132 @@
+/* Equations of motion of a state: its elements (physics.element) chained by block_elimination.inc.
+
+   A System is made for one state and one set of boundary conditions; a change of any of them makes a new one. */
+
+#include "rope_system.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "contact_balance.h"
+#include "contact_element.h"
+#include "curvature.h"
+#include "ends.h"
+#include "formulas.h"
+#include "obstacles.h"
+#include "point_forces.h"
+#include "rope.h"
+#include "rules.h"
+#include "self_contact.h"
+#include "simulator.h"
+#include "state.h"
+#include "state_structures.h"
+#include "system.h"
+#include "wires.h"
+
+static System system_of(const Simulator *sim, State *state) {
+    const Rope *data = &sim->scene.rope;
+    const NodalArrays x = state_arrays(state);
+    System sys = {.elements = x.elements,
+                  .lengths = x.lengths,
+                  .frames = sim->reference.frames,
+                  .obstacles = sim->obstacles->bodies > 0 ? sim->obstacles : NULL,
+                  .self_contact = sim->self_contact->presses ? sim->self_contact : NULL,
+                  .forces = sim->forces.count > 0 ? &sim->forces : NULL,
+                  .time = state->t,
+                  .wires = state->rubs ? sim->reference.wires : NULL,
+                  .curved = is_curved(sim->reference.curved, &sim->scene.rope, state->fidelity) ? sim->reference.curved
+                                                                                                : NULL,
+                  .latest = sim->latest,
+                  .shortest = x.lengths[0]};
+    element_parameters(data, sim->scene.layout.gravity, sys.P);
+    sys.air_acts = air_acts(&sim->scene.shaft.air, data->diameter);
+    air_coefficients(&sim->scene.shaft.air, data->diameter, sim->scene.layout.spacing, sys.air);
+    for (int k = 1; k < x.elements; k++) sys.shortest = fmin(sys.shortest, x.lengths[k]);
+    for (int side = LEFT; side <= RIGHT; side++) {
+        const Swivel *swivel = &sim->scene.swivels[side];
+        const SwivelState *now = &state->swivels[side];
+        ends_freedom(&sim->scene, state, side, sys.free[side]);
+        sys.inertia[side] = swivel->inertia;
+        sys.plumb[side] = swivel->attachment == PLUMB;
+        sys.load[side] = slip_constant(swivel, now);
+        sys.friction_load[side] = slip_per_tension(swivel, now);
+    }
+    return sys;
+}
+
+System rope_system(const Simulator *sim, State *state) {
+#ifdef ROPE_CHECKS /* in tests: a wrong reference would give wrong forces and no message */
+    assert(state->fidelity == RIGID || sim->reference.of == state);
+#endif
+    return system_of(sim, state);
+}
+
+void rope_system_adopt(Simulator *sim, const State *state) {
+    sim->reference.of = state;
+}
+
+/* Refer permanent curvature and friction between wires to q. */
+static void refer_material(Simulator *sim, State *state, const System *sys, const double *q) {
+    sim->reference.of = state;
+    memcpy(sim->reference.left_slope, q + SLOPE, sizeof sim->reference.left_slope);
+    curved_reference(sim->reference.curved, &sim->scene.rope, state, q);
+    if (!state->rubs) return;
+    chain_of(sim, state)->strains(sys, q, state_arrays(state).v, sim->strains); /* the history takes no rates */
+    wires_history(&sim->scene.rope, state, q, sim->strains, sim->reference.wires);
+}
+
+void rope_system_refer(Simulator *sim, State *state, const double *q) {
+    const System sys = system_of(sim, state);
+    chain_of(sim, state)->refer(&sys, q);
+    refer_material(sim, state, &sys, q);
+}
+
+double rope_system_transport(Simulator *sim, State *state, double *q, double *v, double *a, double *b) {
+    const System sys = rope_system(sim, state);
+    double turn = 0;
+    chain_of(sim, state)->transport(&sys, q, v, a, sim->gained);
+    for (int k = 0; k < sys.elements; k++) {
+        const size_t theta = (size_t)(k + 1) * DOF + ANGLE;
+        turn += sim->gained[k][0];
+        q[theta] += turn;
+        v[theta] += sim->gained[k][1];
+        a[theta] += sim->gained[k][2];
+        b[theta] += sim->gained[k][2];
+    }
+    carry_director(state, sim->reference.left_slope, q + SLOPE);
+    refer_material(sim, state, &sys, q);
+    return turn;
+}
+
+void rope_system_prescribed_motion(const Scene *scene, const State *state, double t, int orders, double *const x[]) {
+    for (int side = LEFT; side <= RIGHT; side++) {
+        const size_t row = end_index(state->elements + 1, side);
+        bool free[DOF];
+        double rows[3][DOF];
+        ends_freedom(scene, state, side, free);
+        ends_prescribed_motion(scene, state, side, t, rows);
+        for (int k = 0; k < orders; k++)
+            for (int dof = 0; dof < DOF; dof++)
+                if (!free[dof]) x[k][row + (size_t)dof] = rows[k][dof];
+    }
+}
+
+void external_sums(const System *sys, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
+    memset(sums, 0, sizeof(double) * CONTACT_BALANCE);
+    self_contact_sums(sys, q, v, sums);
+    point_forces_push(sys, q, v, sums);
+    if (sys->obstacles == NULL) return;
+    find_near_bodies(sys, q, v, 0);
+    if (!sys->obstacles->any) return;
+    for (int e = 0; e < sys->elements; e++)
+        if (sys->obstacles->near[e]) contact_sums(sys, e, q, v, sums);
+}
+
+void rope_system_strains(Simulator *sim) {
+    const System sys = rope_system(sim, sim->state);
+    const NodalArrays nodal = state_arrays(sim->state);
+    chain_of(sim, sim->state)->strains(&sys, nodal.q, nodal.v, sim->strains);
+}

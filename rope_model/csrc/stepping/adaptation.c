@@ -1,0 +1,133 @@
+/* Changes of mesh and fidelity during a run, which leave the rope's motion as it is; unwrapping of the loop's
+   yaw. */
+
+#include "adaptation.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "ends.h"
+#include "fidelity.h"
+#include "fidelity_name.h"
+#include "flexible_start.h"
+#include "formulas.h"
+#include "messages.h"
+#include "newton.h"
+#include "partition.h"
+#include "rope.h"
+#include "rope_system.h"
+#include "rules.h"
+#include "simulator.h"
+#include "state.h"
+#include "state_structures.h"
+#include "system.h"
+#include "transfer.h"
+#include "trial_step.h"
+#include "wires.h"
+
+/* Error that Newton's method may leave in a transformation that is made again, m and rad: it shows in differences. */
+#define REPEATED_ERROR 1e-11
+
+/* Enter the energy change of a transformation into the energy balance. */
+static void add_energy_change(Simulator *sim, State *state) {
+    const double before = state->energy_balance.kinetic, change = rope_energies(sim, state);
+    const double kinetic = state->energy_balance.kinetic - before;
+    state->energy_balance.transformations += change;
+    record_event(state, TRANSFORMED, 0, kinetic, change - kinetic);
+    state->counts.transformations += 1;
+}
+
+/* Equilibrium with the present accelerations, damped by an inertia of time constant `time`; no change on failure. */
+static Progress dynamic_equilibrium(Simulator *sim, State *state, double time, double tolerance) {
+    const NodalArrays nodal = state_arrays(state);
+    const NodalArrays *now = &sim->trial;
+    const System sys = rope_system(sim, state);
+    const size_t bytes = sizeof(double) * (size_t)nodal.nodes * DOF;
+    const double c[3] = {1, 0, pow(time, -2)};
+    double balance[BALANCE];
+    copy_fields(now, &nodal);
+    const Progress newton =
+        chain_of(sim, state)
+            ->solve(&sys, sim->work, now->q, now->v, now->a, now->reaction, c, tolerance, NULL, balance);
+    if (newton.status != CONVERGED) return newton;
+    update_hysteresis(sim->reference.wires, state, now->q);
+    update_angles(sim, state, now->q, nodal.v, nodal.a, nodal.b);
+    memcpy(nodal.q, now->q, bytes);
+    return newton;
+}
+
+/* Transform the mesh once; return the status of Newton's method. */
+static int on_partition(Simulator *sim, State *state, int direction, const double *divider_s) {
+    const NodalArrays nodal = state_arrays(state);
+    double *const fields[] = {nodal.q, nodal.v, nodal.a, nodal.b, nodal.a_rate};
+    double *old_s = sim->trial.b;
+    memcpy(old_s, nodal.s, sizeof(double) * (size_t)nodal.nodes);
+    partition_transform(&state->pattern, direction, divider_s, nodal.elements, nodal.lengths);
+    arc_lengths(nodal.elements, nodal.lengths, nodal.s);
+    if (state->fidelity == RIGID) return CONVERGED; /* shape and energies do not depend on the mesh */
+    transfer_fields(nodal.nodes, old_s, nodal.s, 5, fields, sim->work);
+    wires_carry(state, old_s, sim->reference.wires); /* scratch: its history belongs to the old mesh */
+    memset(nodal.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(nodal.nodes - 2));
+    rope_system_refer(sim, state, nodal.q);
+    const Solver *solver = &sim->scene.solver;
+    const double tolerance = sim->replay.repeating
+                                 ? REPEATED_ERROR
+                                 : effective_tolerance(solver->newton_tolerance, solver->work_max, BOUNDED_MESH_ERROR);
+    double time = RELAXATION_TIME;
+    Progress newton = dynamic_equilibrium(sim, state, time, tolerance);
+    for (; newton.status != CONVERGED; newton = dynamic_equilibrium(sim, state, time, tolerance)) {
+        if (time <= solver->step_min) return newton.status;
+        time = fmax(0.5 * time, solver->step_min);
+        state->counts.rejections += 1;
+    }
+    state->counts.given_up += newton.error > solver->newton_tolerance;
+    add_energy_change(sim, state);
+    return CONVERGED;
+}
+
+int transform_if_due(Simulator *sim, State *state) {
+    /* A step that is taken again transforms when the recorded one did. */
+    const Path *paths = sim->replay.repeating ? sim->replay.paths : state->paths;
+    const double bottom_s = bottom_arc_length(&sim->scene, paths, state->t);
+    double divider_s[DIVIDERS];
+    int status = CONVERGED;
+    dividers_on_rope(&sim->scene, paths, state->t, divider_s);
+    while (status == CONVERGED) {
+        const int direction = (int)transformation_due(&state->pattern, bottom_s, DUE_EARLY);
+        if (direction == 0 && !window_due(&state->pattern, divider_s)) break;
+        status = on_partition(sim, state, direction, divider_s);
+    }
+    return status;
+}
+
+void update_loop_yaw(State *state) {
+    const NodalArrays x = state_arrays(state);
+    const double *d = x.q + (size_t)lowest_node(x.nodes, x.q) * DOF + SLOPE;
+    state->loop_yaw = nearest_turn(atan2(-d[2], d[0]), state->loop_yaw);
+}
+
+RopeStatus raise_fidelity(Simulator *sim, State *state, const char *why, char *message) {
+    const NodalArrays nodal = state_arrays(state);
+    const int was = state->fidelity;
+    const EndMotion ends[2] = {path_at(&state->paths[LEFT], INFINITY), path_at(&state->paths[RIGHT], INFINITY)};
+    say_cannot_follow(state->fidelity_reason, fidelity_name(was), why);
+    state->fidelity = lowest_sufficient(&sim->scene, ends, sim->forces.count);
+    state->offsets[LEFT] = 0;
+    state->offsets[RIGHT] = right_offset(nodal.q, end_row(nodal.q, nodal.nodes, RIGHT));
+    record_event(state, RAISED, state->fidelity, 0, 0);
+    rope_system_refer(sim, state, nodal.q);
+    if (was != RIGID && !carries_torque(&sim->scene)) {
+        restart_motion(sim, state);
+        return ROPE_DONE;
+    }
+    if (was == RIGID && !flexible_start(sim, state, message)) return ROPE_FAILED;
+    if (dynamic_equilibrium(sim, state, SETTLING_TIME, SETTLING_TOLERANCE).status == CONVERGED)
+        memcpy(nodal.reaction, sim->trial.reaction, sizeof(double) * (size_t)nodal.nodes * DOF);
+    else
+        update_angles(sim, state, nodal.q, nodal.v, nodal.a, nodal.b);
+    restart_motion(sim, state);
+    state->energy_balance.transformations += rope_energies(sim, state);
+    if (start_hysteresis(sim->reference.wires, state)) rope_system_refer(sim, state, nodal.q);
+    return ROPE_DONE;
+}
