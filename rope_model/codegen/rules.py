@@ -22,7 +22,7 @@ from rope_model.boundary.end_paths import EndMotion
 from rope_model.boundary.input_filter import InputFilter
 from rope_model.codegen.expressions import statements, texts_of
 from rope_model.codegen.messages import texts
-from rope_model.codegen.signatures import is_structure, name_in_c
+from rope_model.codegen.signatures import function_in_c, is_structure, name_in_c
 from rope_model.codegen.state_structures import PatternStructure, StateStructure
 from rope_model.codegen.tables import Word, constant
 from rope_model.fidelity import fidelity_rules
@@ -207,7 +207,7 @@ def number_code(formula: Callable[..., Any]) -> str:
     lines, (text,) = _texts([formula(*(fact.symbols for fact in facts.values()))])
     declared = ", ".join(fact.declared for fact in facts.values())
     body = "".join(f"    {line}\n" for line in (*lines, f"return {text};"))
-    head = f"static inline double {formula.__name__}({declared})"
+    head = f"static inline double {function_in_c(formula)}({declared})"
     return f"/* {formula.__module__}.{formula.__qualname__} */\n{head} {{\n{body}}}\n"
 
 

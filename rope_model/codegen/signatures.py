@@ -1,15 +1,17 @@
 """Signatures in C of formulas: Python's names and annotations, with the lengths that these lack."""
 
 import inspect
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, is_dataclass
+from types import ModuleType
 from typing import Any, get_type_hints
 
 from rope_model.boundary.end_paths import EndPath
 from rope_model.state import RopeState
 
 #: names of structures in C, where they differ
-_IN_C: dict[type[Any], str] = {EndPath: "Path", RopeState: "State"}
+_IN_C: dict[type[Any], str] = {RopeState: "State"}
 
 
 @dataclass(frozen=True)
@@ -35,7 +37,6 @@ class Argument:
 class Formula:
     """Python function that becomes a C function."""
 
-    name: str  # in C
     function: Callable[..., Any]
     #: numbers of each parameter that is an array
     lengths: Mapping[str, int] = field(default_factory=dict)
@@ -43,6 +44,11 @@ class Formula:
     result: Argument | None = None
     #: structure of each parameter that Python annotates with a protocol
     structures: Mapping[str, type[Any]] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """Name in C."""
+        return function_in_c(self.function)
 
     @property
     def arguments(self) -> list[Argument]:
@@ -85,6 +91,28 @@ class Formula:
 def array(name: str, *shape: int) -> Argument:
     """Return an array of these lengths."""
     return Argument(name, shape=shape)
+
+
+def function_in_c(function: Callable[..., Any]) -> str:
+    """Return the name of a function in C, which tells its module, or of a method its class."""
+    *owner, name = function.__qualname__.split(".")
+    if owner:
+        room = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", owner[0]).lower()
+    else:
+        room = function.__module__.rsplit(".")[-1]
+    return _with_room(room, name)
+
+
+def constant_in_c(module: ModuleType, name: str) -> str:
+    """Return the name of a constant in C, which tells its module."""
+    return _with_room(module.__name__.rsplit(".")[-1].upper(), name)
+
+
+def _with_room(room: str, name: str) -> str:
+    """Return ``name`` behind the name of its room, unless both have a word in common."""
+    if set(room.split("_")) & set(name.split("_")):
+        return name
+    return f"{room}_{name}"
 
 
 def name_in_c(kind: type[Any]) -> str:

@@ -46,11 +46,10 @@ def _type_of(hint: Any) -> Any:
     if not hasattr(hint, "_fields"):
         return c_int64 if hint is int else c_double
     if hint not in PARTS:
-        name = hint.__name__.removeprefix("End")
         where = f"{hint.__module__}.{hint.__name__}."
         members = [(member, _type_of(part)) for member, part in get_type_hints(hint).items()]
         PARTS[hint] = type(
-            f"{name}Structure", (Structure,), {"__doc__": where, "_fields_": members}
+            f"{hint.__name__}Structure", (Structure,), {"__doc__": where, "_fields_": members}
         )
     return PARTS[hint]
 

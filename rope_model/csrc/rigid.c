@@ -30,16 +30,17 @@ static void flow_velocities(int nodes, const double *q, Flow flow, double *v) {
 
 RopeStatus rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes, const double *s, double *q,
                       double *v, double *a, double *reaction, double *kinetic, double *gravity, char *message) {
-    const RigidTensions tensions = rigid_tensions(&scene->rope, &scene->layout, &ends[LEFT], &ends[RIGHT]);
+    const RigidTensions tensions = inextensible_rigid_tensions(&scene->rope, &scene->layout, &ends[LEFT], &ends[RIGHT]);
     double points[2][3], energies[2];
     message[0] = '\0';
-    if (rigid_min_tension(&tensions) < 0) return say_rope_goes_slack(message, rigid_min_tension(&tensions), t);
-    rigid_energies(&scene->rope, &scene->layout, &tensions, &ends[LEFT], &ends[RIGHT], energies);
+    if (inextensible_min_tension(&tensions) < 0)
+        return say_rope_goes_slack(message, inextensible_min_tension(&tensions), t);
+    inextensible_energies(&scene->rope, &scene->layout, &tensions, &ends[LEFT], &ends[RIGHT], energies);
     *kinetic = energies[0];
     *gravity = energies[1];
-    suspension_points(&scene->layout, &ends[LEFT], &ends[RIGHT], points);
+    centreline_suspension_points(&scene->layout, &ends[LEFT], &ends[RIGHT], points);
     if (!hanging_guess(nodes, s, points[LEFT], points[RIGHT], q, message)) return ROPE_FAILED;
-    flow_velocities(nodes, q, rigid_flow(ends[LEFT].vy, ends[RIGHT].vy), v);
+    flow_velocities(nodes, q, inextensible_flow(ends[LEFT].vy, ends[RIGHT].vy), v);
     for (int i = 0; i < nodes * DOF; i++) a[i] = reaction[i] = 0.0;
     for (int side = LEFT; side <= RIGHT; side++) {
         const EndMotion *end = &ends[side];
@@ -55,9 +56,9 @@ RopeStatus rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int
 
 void rigid_tension(const NodalArrays *arrays, double rho, double gravity, int points, const double *places,
                    const double *y, double *tension) {
-    Flow rate = rigid_flow(arrays->a[1], arrays->a[(arrays->nodes - 1) * DOF + 1]);
+    Flow rate = inextensible_flow(arrays->a[1], arrays->a[(arrays->nodes - 1) * DOF + 1]);
     for (int k = 0; k < points; k++)
-        tension[k] = rigid_tension_at(rho, gravity, &rate, arrays->reaction[1], y[k] - arrays->q[1], places[k]);
+        tension[k] = inextensible_tension(rho, gravity, &rate, arrays->reaction[1], y[k] - arrays->q[1], places[k]);
 }
 
 /* Refer theta of an equilibrium q, which is referred to q, to the rigid rope. */
@@ -77,19 +78,20 @@ RopeStatus flexible_start(Simulator *sim, State *state, char *message) {
     const double t = state->t, offset = state->offsets[RIGHT];
     /* b and a_rate are scratch until the restart. */
     double *q = nodal.b, *reaction = nodal.a_rate, *const all[3] = {nodal.q, nodal.v, nodal.a};
-    const Path paths[2] = {state->paths[LEFT], state->paths[RIGHT]};
+    const EndPath paths[2] = {state->paths[LEFT], state->paths[RIGHT]};
     double director[3];
     memcpy(director, state->director, sizeof director);
     memcpy(sim->spare, state, sim->state_bytes);
     const double *rigid = state_arrays(sim->spare).q;
-    for (int side = LEFT; side <= RIGHT; side++) state->paths[side] = path_coasting(&paths[side], t);
+    for (int side = LEFT; side <= RIGHT; side++)
+        state->paths[side] = end_path_at_constant_acceleration(&paths[side], t);
     sim->corrections = sim->solutions = 0;
     RopeStatus found = find_equilibrium(sim, state, INFINITY, message);
     const double turned = state->offsets[RIGHT];
     memcpy(q, nodal.q, bytes);
     memcpy(reaction, nodal.reaction, bytes);
     for (int k = 1; k < 3 && found; k++) { /* equilibria just before and after t */
-        state->t = k == 1 ? t - DIFFERENCE : t + DIFFERENCE;
+        state->t = k == 1 ? t - STEPPING_DIFFERENCE : t + STEPPING_DIFFERENCE;
         state->offsets[RIGHT] = turned;
         memcpy(nodal.q, q, bytes);
         found = find_equilibrium(sim, state, INFINITY, message);
@@ -105,8 +107,8 @@ RopeStatus flexible_start(Simulator *sim, State *state, char *message) {
     rope_system_refer(sim, state, rigid);
     for (size_t i = 0; i < size; i++) {
         const double before = nodal.v[i], after = nodal.a[i];
-        nodal.v[i] = (after - before) / (2 * DIFFERENCE);
-        nodal.a[i] = (after - 2 * nodal.q[i] + before) / (DIFFERENCE * DIFFERENCE);
+        nodal.v[i] = (after - before) / (2 * STEPPING_DIFFERENCE);
+        nodal.a[i] = (after - 2 * nodal.q[i] + before) / (STEPPING_DIFFERENCE * STEPPING_DIFFERENCE);
     }
     return found;
 }

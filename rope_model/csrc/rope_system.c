@@ -50,8 +50,8 @@ System rope_system(const Simulator *sim, State *state) {
         sys.free[side][ANGLE] = now->phase == SLIP;
         sys.inertia[side] = swivel->inertia;
         sys.plumb[side] = swivel->attachment == PLUMB;
-        sys.load[side] = slip_constant(swivel, now);
-        sys.friction_load[side] = slip_per_tension(swivel, now);
+        sys.load[side] = swivel_phases_slip_constant(swivel, now);
+        sys.friction_load[side] = swivel_phases_slip_per_tension(swivel, now);
     }
     return sys;
 }

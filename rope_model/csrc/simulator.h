@@ -34,8 +34,8 @@ struct Simulator {
     double (*strains)[STRAINS]; /* scratch */
     double (*gained)[3];        /* scratch, for Chain.transport */
     double *frames;             /* of the elements in the state, or during an advance in the state in progress */
-    double *wires;              /* WIRE_HISTORY_SIZE numbers an element, of the same state as frames; or NULL */
-    double *curved;             /* CURVATURE_SIZE numbers an element, of the same state as frames; or NULL */
+    double *wires;              /* WIRE_ELEMENT_HISTORY_SIZE numbers an element, of the same state as frames; or NULL */
+    double *curved;             /* CURVED_SIZE numbers an element, of the same state as frames; or NULL */
     double left_slope[3];       /* r' of the left end where frames and curved belong */
     double *latest;             /* friction of the wires at the last tangent, see System.latest; or NULL */
     void *work;                 /* scratch of the chain */

@@ -12,9 +12,9 @@ void commit_trial(Simulator *sim, State *state, const StepResult *trial);
 void rope_powers(const Scene *scene, State *state);
 double rope_energies(Simulator *sim, State *state); /* Update energies; return the change of their total. */
 /* Return the arc length of the loop's lowest point from the heights of the ends at t. */
-double bottom_arc_length(const Scene *scene, const Path paths[2], double t);
+double bottom_arc_length(const Scene *scene, const EndPath paths[2], double t);
 /* Call mesh_dividers with the heights of the ends at t. */
-void dividers_on_rope(const Scene *scene, const Path paths[2], double t, double *divider_s);
+void dividers_on_rope(const Scene *scene, const EndPath paths[2], double t, double *divider_s);
 /* Refer frames and angles of q, v, a, b to q. */
 void update_angles(Simulator *sim, State *state, double *q, double *v, double *a, double *b);
 void begin_audit(const Simulator *sim, State *state);

@@ -16,7 +16,7 @@ from rope_model.parameters import AT_START, Scene
 from rope_model.physics import estimates
 from rope_model.physics.elementary import Scalar, logical_and, logical_or, maximum, where
 from rope_model.physics.estimates import Travel
-from rope_model.physics.guard import has_guards
+from rope_model.physics.guard import any_threshold
 from rope_model.physics.inextensible import min_tension, rigid_tensions
 from rope_model.physics.initial_curvature import max_curvature
 
@@ -152,7 +152,7 @@ COMPLETE: Rules = {
     fidelity_messages.may_touch_itself: lambda scene, forces: (
         scene.shaft.contact.rope_stiffness > 0,
     ),
-    fidelity_messages.guards_watch: lambda scene, forces: (has_guards(scene.shaft.guard) > 0,),
+    fidelity_messages.guards_watch: lambda scene, forces: (any_threshold(scene.shaft.guard) > 0,),
     fidelity_messages.in_air: lambda scene, forces: (scene.shaft.air.density > 0,),
     fidelity_messages.is_curved: lambda scene, forces: _curved(scene),
     fidelity_messages.not_plumb: lambda scene, forces: (not_plumb(scene),),

@@ -202,7 +202,7 @@ def _cell_function(stiff: bool) -> ca.Function:
                 deeper[1] <= level, deeper[0], ca.if_else(other[1] >= level, other[0], reached)
             )
             pieces += [
-                contact_points.point_in(*point, start, stop)
+                contact_points.contact_point(*point, start, stop)
                 for point in zip(contact_points.PARTS, contact_points.WEIGHTS, strict=True)
             ]
             start = stop

@@ -77,7 +77,7 @@ def nonzero(x: Scalar) -> Scalar:
     return unit_sign(x) * maximum(abs(x), TINY)
 
 
-def point_in(
+def contact_point(
     fraction: Scalar, weight: Scalar, start: Scalar, stop: Scalar
 ) -> tuple[Scalar, Scalar]:
     """Return xi and weight of a Gauss point, which has ``fraction`` and ``weight`` in the unit interval, on a piece."""

@@ -35,11 +35,11 @@ from rope_model.physics.frame import (
 from rope_model.physics.initial_curvature import TO_POINTS, curvature_vectors
 
 #: number of entries of an element: k0 at its points, angles, and EI
-CURVATURE_SIZE = 3 * len(element.POINTS) + 3
+CURVED_SIZE = 3 * len(element.POINTS) + 3
 
 
 class CurvedFunctions(NamedTuple):
-    """CasADi functions of permanent curvature in an element; ``C`` contains its CURVATURE_SIZE numbers.
+    """CasADi functions of permanent curvature in an element; ``C`` contains its CURVED_SIZE numbers.
 
     residual: (q, l, F, C) -> R (14,)
     tangent:  (q, l, F, C, cq) -> J (14, 14)
@@ -58,7 +58,7 @@ def curved_functions() -> CurvedFunctions:
     q = ca.SX.sym("q", 2 * element.NODE_DOF)
     l = ca.SX.sym("l")
     F = ca.SX.sym("F", element.FRAME_SIZE)
-    C = ca.SX.sym("C", CURVATURE_SIZE)
+    C = ca.SX.sym("C", CURVED_SIZE)
     cq = ca.SX.sym("cq")
     numbers = ca.vertsplit(C)
     frames = ca.vertsplit(F[:-3], 6)
@@ -164,4 +164,4 @@ def _bend_function() -> ca.Function:
 def curved_element(base: element.ElementFunctions) -> element.ElementFunctions:
     """Build the functions of the ``base`` torsional element with permanent curvature."""
     curved = curved_functions()
-    return bending_element(base, CURVATURE_SIZE, curved.residual, curved.tangent, curved.energy)
+    return bending_element(base, CURVED_SIZE, curved.residual, curved.tangent, curved.energy)

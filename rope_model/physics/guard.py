@@ -49,7 +49,7 @@ def thresholds(guard: Guard) -> tuple[Scalar, ...]:
     return guard.rise, guard.window, guard.clearance, guard.turns, guard.torque
 
 
-def has_guards(guard: Guard) -> Scalar:
+def any_threshold(guard: Guard) -> Scalar:
     """Return a number above 0 if there is any guard, else 0."""
     return sum_of(thresholds(guard)[1:], guard.rise)
 

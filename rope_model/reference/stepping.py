@@ -10,7 +10,7 @@ of the step in which that becomes due.
 import math
 from dataclasses import dataclass, replace
 
-from rope_model.method.events import Bracket, narrowed, trial_x
+from rope_model.method.events import Bracket, narrowed_bracket, trial_x
 from rope_model.method.generalized_alpha import Coefficients, Motion, local_error
 from rope_model.method.step_control import (
     ACCEPT_BELOW,
@@ -254,7 +254,7 @@ def _trial_to_event(
         part = float(trial_x(bracket, EVENT_WIDTH))
         if not bracket.low < part < bracket.high:
             break
-        bracket = narrowed(bracket, part, excess_after(part))
+        bracket = narrowed_bracket(bracket, part, excess_after(part))
     trial = tried(float(bracket.high))
     return replace(trial, corrections=corrections)
 

@@ -77,7 +77,7 @@ void arrays_of(double *q, double *v, double *a, double *reaction, double *length
 /* Carry z (elements x WIRE_Z) from nodes at old_s to those of a mesh of as many elements. */
 void carry_wires(int elements, const double *old_s, const double *lengths, const double *s, double *z) {
     const size_t n = (size_t)elements, rows = FIELDS * DOF * (n + 1) + n + n + 1 + WIRE_Z * n;
-    double *scratch = calloc(n * WIRE_HISTORY_SIZE, sizeof(double));
+    double *scratch = calloc(n * WIRE_ELEMENT_HISTORY_SIZE, sizeof(double));
     State *state = calloc(1, sizeof *state + rows * sizeof(double));
     state->elements = elements;
     state->rubs = 1;
@@ -97,7 +97,7 @@ int self_contact_of(const Scene *scene, int elements, const double *lengths, con
     const size_t n = (size_t)elements, size = DOF * (n + 1);
     double length = 0;
     for (int e = 0; e < elements; e++) length += lengths[e];
-    const size_t places = (size_t)max_points(length, elements, scene->rope.diameter);
+    const size_t places = (size_t)rope_contact_max_points(length, elements, scene->rope.diameter);
     SelfContactState state = {.scene = scene, .presses = 1};
     double *numbers = calloc(size + 4 * n, sizeof *numbers);
     state.cache = (ClearanceCache){.q = numbers, .lengths = numbers + size};

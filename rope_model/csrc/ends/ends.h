@@ -22,7 +22,8 @@ static inline void set_end_value(EndMotion *motion, int index, double value) {
     memcpy((char *)motion + offsets[index], &value, sizeof value);
 }
 
-/* Refuse a target motion that is out of range, or whose `measures`, from path_measures, exceed the scene's. */
+/* Refuse a target motion that is out of range, or whose `measures`, from input_filter_path_measures, exceed the
+ * scene's. */
 RopeStatus check_motion(const Scene *scene, const EndMotion *target, const double measures[14], int side,
                         char *message);
 /* Return the axial strain at an end, in an array x like q; of the next node where a clamp gives this one's. */

@@ -46,11 +46,11 @@ static const double *resolved_change(Simulator *sim, const Chain *chain, const S
 
 /* True if the rate of the acceleration over the step `before` may predict a step h. */
 static bool rate_known(double h, double before) {
-    return 0 < h && h <= MAX_GROWTH * before;
+    return 0 < h && h <= GENERALIZED_ALPHA_MAX_GROWTH * before;
 }
 
 double recentring(const Coefficients *method, double h, double before) {
-    return rate_known(h, before) ? recentring_time(method, h, before) : 0;
+    return rate_known(h, before) ? generalized_alpha_recentring_time(method, h, before) : 0;
 }
 
 static void predict(const NodalArrays *old, double h, double ahead, const double w[6], double *RESTRICT q,
@@ -72,18 +72,19 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
     double c[3], w[6], aux[4];
     bool finite = true;
     StepResult result = {.t = state->t + h, .h = h, .error = INFINITY};
-    prediction_weights(&method, h, time_shift, ahead, w);
-    auxiliary_weights(&method, time_shift, aux);
-    newton_coefficients(&method, h, c);
+    generalized_alpha_prediction_weights(&method, h, time_shift, ahead, w);
+    generalized_alpha_auxiliary_weights(&method, time_shift, aux);
+    generalized_alpha_newton_coefficients(&method, h, c);
     predict(&old, h, ahead, w, now->q, now->v, now->a);
     rope_system_prescribed_motion(&sim->scene, state, sys, result.t, 3, (double *[]){now->q, now->v, now->a});
     sys->time = result.t;
     memcpy(now->reaction, old.reaction, sizeof(double) * size);
     const Chain *chain = chain_of(sim, state);
     const Solver *solver = &sim->scene.solver;
-    result.newton = chain->solve(sys, sim->work, now->q, now->v, now->a, now->reaction, c,
-                                 effective_tolerance(solver->newton_tolerance, solver->work_max, BOUNDED_STEP_ERROR),
-                                 old.q, result.balance);
+    result.newton =
+        chain->solve(sys, sim->work, now->q, now->v, now->a, now->reaction, c,
+                     newton_effective_tolerance(solver->newton_tolerance, solver->work_max, NEWTON_BOUNDED_STEP_ERROR),
+                     old.q, result.balance);
     for (size_t i = 0; i < size; i++) finite &= isfinite(now->reaction[i]);
     if (result.newton.status == CONVERGED && !finite) result.newton.status = NOT_FINITE;
     result.converged = result.newton.status == CONVERGED;
@@ -93,9 +94,10 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
         now->a_rate[i] = (now->a[i] - old.a[i]) / h;
     }
     const double *change = resolved_change(sim, chain, sys, c[2], old.a);
-    result.error = local_error(&method, h, rope_system_norm(sys, change, sys->shortest));
+    result.error = generalized_alpha_local_error(&method, h, rope_system_norm(sys, change, sys->shortest));
     for (int side = LEFT; side <= RIGHT; side++)
-        result.strains[side] = local_error(&method, h, end_strain(&sim->scene, now->nodes, now->q, change, side));
+        result.strains[side] =
+            generalized_alpha_local_error(&method, h, end_strain(&sim->scene, now->nodes, now->q, change, side));
     return result;
 }
 

@@ -14,27 +14,28 @@
 #include "transfer.h"
 
 /* LEG: points of one leg for its clearance; BLOCK: points that share a bounding box. */
-enum { LEG = OUTLINE / 2 + 1, BLOCK = 4, BLOCKS = (LEG + BLOCK - 1) / BLOCK };
+enum { LEG = SAMPLING_OUTLINE / 2 + 1, BLOCK = 4, BLOCKS = (LEG + BLOCK - 1) / BLOCK };
 
 static double clip(double x, double low, double high) {
     return fmin(fmax(x, low), high);
 }
 
 double ends_yaw(const NodalArrays *nodal) {
-    return line_yaw(nodal->q, nodal->q + (ptrdiff_t)DOF * nodal->elements);
+    return centreline_line_yaw(nodal->q, nodal->q + (ptrdiff_t)DOF * nodal->elements);
 }
 
 LoopBottom loop_bottom(int nodes, const double *q, const double *s) {
     int lowest = lowest_node(nodes, q), i = lowest < 1 ? 1 : lowest > nodes - 2 ? nodes - 2 : lowest;
 
-    double fine[FINE], rows[FINE][DOF], row[1][DOF], step = (s[i + 1] - s[i - 1]) / (FINE - 1);
-    for (int k = 0; k < FINE; k++) fine[k] = k < FINE - 1 ? k * step + s[i - 1] : s[i + 1];
-    transfer_interpolate(nodes, q, s, FINE, fine, rows);
+    double fine[SAMPLING_FINE], rows[SAMPLING_FINE][DOF], row[1][DOF],
+        step = (s[i + 1] - s[i - 1]) / (SAMPLING_FINE - 1);
+    for (int k = 0; k < SAMPLING_FINE; k++) fine[k] = k < SAMPLING_FINE - 1 ? k * step + s[i - 1] : s[i + 1];
+    transfer_interpolate(nodes, q, s, SAMPLING_FINE, fine, rows);
     int j = 0;
-    for (int k = 1; k < FINE; k++)
+    for (int k = 1; k < SAMPLING_FINE; k++)
         if (rows[k][1] < rows[j][1]) j = k;
     /* lowest point of the parabola through three points */
-    j = j < 1 ? 1 : j > FINE - 2 ? FINE - 2 : j;
+    j = j < 1 ? 1 : j > SAMPLING_FINE - 2 ? SAMPLING_FINE - 2 : j;
     double before = rows[j - 1][1], after = rows[j + 1][1], bend = before - 2 * rows[j][1] + after;
     double shift = bend > 0 ? 0.5 * (before - after) / bend : 0.0;
     LoopBottom bottom;
@@ -49,7 +50,8 @@ void shape_places(double total, double bottom_s, double loop, int points, double
     double step = 2.0 / (points - 1);
     for (int k = 0; k < points; k++) {
         double u = k < points - 1 ? k * step - 1.0 : 1.0;
-        places[k] = clip(sample_s(bottom_s, u < 0 ? -bottom_s : total - bottom_s, fabs(u), loop), 0.0, total);
+        places[k] =
+            clip(centreline_sample_s(bottom_s, u < 0 ? -bottom_s : total - bottom_s, fabs(u), loop), 0.0, total);
     }
 }
 
@@ -58,7 +60,7 @@ void diagnostics_shape(int nodes, const double *q, const double *s, int points, 
     for (int k = 0, i = 0; k < points; k++) {
         while (i < nodes - 2 && s[i + 1] < places[k]) i++;
         const double l = s[i + 1] - s[i], *a = q + (ptrdiff_t)DOF * i;
-        position_at((places[k] - s[i]) / l, l, a, a + DOF, xyz[k]);
+        centreline_position_at((places[k] - s[i]) / l, l, a, a + DOF, xyz[k]);
     }
 }
 
@@ -85,7 +87,7 @@ void diagnostics_tension(const NodalArrays *arrays, double rho, double gravity, 
         }
         force[1] += rho * gravity * places[k];
         const double *slope = row[0] + SLOPE;
-        tension[k] = dot(force, slope) / sqrt(dot(slope, slope));
+        tension[k] = elementary_dot(force, slope) / sqrt(elementary_dot(slope, slope));
     }
 }
 
@@ -137,7 +139,7 @@ static void blocks_of(int points, double point[LEG][3], double bounds[BLOCKS][6]
 static double nearest_squared(int points, double point[][3], int pieces, double corner[][3], double least) {
     for (int m = 0; m < pieces; m++) {
         const double *a = corner[m], *b = corner[m + 1], along[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-        for (int n = 0; n < points; n++) least = minimum(least, squared_distance(point[n], a, along));
+        for (int n = 0; n < points; n++) least = minimum(least, centreline_squared_distance(point[n], a, along));
     }
     return least;
 }
@@ -161,7 +163,7 @@ static double smallest_squared(int lefts, double left[LEG][3], int rights, doubl
     blocks_of(rights, right, of_right);
     for (int m = top; m >= 0; m--)
         for (int n = other_top; n >= 0; n--) {
-            if (!(min_squared_distance(of_left[m], of_right[n]) < least)) continue;
+            if (!(centreline_min_squared_distance(of_left[m], of_right[n]) < least)) continue;
             const double found = between_squared(m, lefts, left, n, rights, right, least);
             if (!(found < least)) continue;
             least = found;
@@ -173,9 +175,9 @@ static double smallest_squared(int lefts, double left[LEG][3], int rights, doubl
 
 double leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
                      double diameter, double above, int pair[2]) {
-    double places[OUTLINE], outline[OUTLINE][3], left[LEG][3], right[LEG][3];
-    shape_places(s[nodes - 1], bottom->s, loop, OUTLINE, places);
-    diagnostics_shape(nodes, q, s, OUTLINE, places, outline);
+    double places[SAMPLING_OUTLINE], outline[SAMPLING_OUTLINE][3], left[LEG][3], right[LEG][3];
+    shape_places(s[nodes - 1], bottom->s, loop, SAMPLING_OUTLINE, places);
+    diagnostics_shape(nodes, q, s, SAMPLING_OUTLINE, places, outline);
     double height = bottom->position[1] + above;
     double (*lowest)[3] = outline + LEG - 1;
     const int lefts = part_above(lowest, -1, height, left);
@@ -184,7 +186,7 @@ double leg_clearance(int nodes, const double *q, const double *s, const LoopBott
     return sqrt(smallest_squared(lefts, left, rights, right, pair)) - diameter;
 }
 
-/* A way up a leg, in PIECES per element. */
+/* A way up a leg, in SAMPLING_PIECES per element. */
 typedef struct {
     const NodalArrays *nodal;
     int point, last; /* next point, and the leg's end */
@@ -193,12 +195,12 @@ typedef struct {
 } Climb;
 
 static void point_of(const NodalArrays *nodal, int point, double place[3]) {
-    const int element = point / PIECES, piece = point % PIECES;
+    const int element = point / SAMPLING_PIECES, piece = point % SAMPLING_PIECES;
     const double *a = nodal->q + (ptrdiff_t)DOF * element;
     if (piece == 0)
         memcpy(place, a, 3 * sizeof *place);
     else
-        position_at((double)piece / PIECES, nodal->lengths[element], a, a + DOF, place);
+        centreline_position_at((double)piece / SAMPLING_PIECES, nodal->lengths[element], a, a + DOF, place);
 }
 
 static void climb_on(Climb *leg) {
@@ -226,22 +228,22 @@ bool legs_apart(const NodalArrays *nodal, const double across[2], double diamete
     double normal[3];
     bool apart = 0 < lowest && lowest < nodal->elements;
     int k = 0;
-    plane_between(left, right, low, across, normal);
+    centreline_plane_between(left, right, low, across, normal);
     for (const double *q = left; q < low; q += DOF, k++)
-        apart &= side_gap(-1.0, nodal->lengths[k], q, q + DOF, left[1], low, normal, diameter, above) >= 0;
+        apart &= centreline_side_gap(-1.0, nodal->lengths[k], q, q + DOF, left[1], low, normal, diameter, above) >= 0;
     for (const double *q = low; q < right; q += DOF, k++)
-        apart &= side_gap(1.0, nodal->lengths[k], q + DOF, q, right[1], low, normal, diameter, above) >= 0;
-    return apart && min_slope(nodal->lengths[lowest - 1], low - DOF, low, across) > 0 &&
-           min_slope(nodal->lengths[lowest], low, low + DOF, across) > 0;
+        apart &= centreline_side_gap(1.0, nodal->lengths[k], q + DOF, q, right[1], low, normal, diameter, above) >= 0;
+    return apart && centreline_min_slope(nodal->lengths[lowest - 1], low - DOF, low, across) > 0 &&
+           centreline_min_slope(nodal->lengths[lowest], low, low + DOF, across) > 0;
 }
 
 static double point_s(const NodalArrays *nodal, int point) {
-    const int element = point / PIECES;
-    return nodal->s[element] + nodal->lengths[element] * (point % PIECES) / PIECES;
+    const int element = point / SAMPLING_PIECES;
+    return nodal->s[element] + nodal->lengths[element] * (point % SAMPLING_PIECES) / SAMPLING_PIECES;
 }
 
 LoopTurns loop_turns(const NodalArrays *nodal, const LoopBottom *bottom) {
-    const int last = PIECES * nodal->elements;
+    const int last = SAMPLING_PIECES * nodal->elements;
     int next = 1;
     while (next < last && point_s(nodal, next) < bottom->s) next++;
     Climb left = {nodal, next - 1, 0, {0}, {0}}, right = {nodal, next, last, {0}, {0}};
@@ -251,12 +253,12 @@ LoopTurns loop_turns(const NodalArrays *nodal, const LoopBottom *bottom) {
     climb_on(&right);
     double across[2], angle = 0, sharpest = -1, below = bottom->position[1];
     LoopTurns turns = {0, below};
-    heading(bottom->yaw, across);
+    centreline_heading(bottom->yaw, across);
     double height = fmin(left.high[1], right.high[1]);
     while (height < HUGE_VAL) {
         const double next_across[2] = {climb_at(&right, height, 0) - climb_at(&left, height, 0),
                                        climb_at(&right, height, 2) - climb_at(&left, height, 2)};
-        const double turned = angle_between(across, next_across);
+        const double turned = centreline_angle_between(across, next_across);
         if (fabs(turned) > sharpest) turns.sharpest_y = 0.5 * (below + height);
         sharpest = fmax(sharpest, fabs(turned));
         angle -= turned;

@@ -22,7 +22,8 @@ double leg_clearance(int nodes, const double *q, const double *s, const LoopBott
 /* True if the legs are certainly apart, and within a quarter turn of `across`, the line from left to right. */
 bool legs_apart(const NodalArrays *nodal, const double across[2], double diameter, double above);
 LoopTurns loop_turns(const NodalArrays *nodal, const LoopBottom *bottom);
-/* Ascending arc lengths `places` (points) over the whole rope, denser around the bottom; `loop` is loop_width(). */
+/* Ascending arc lengths `places` (points) over the whole rope, denser around the bottom; `loop` is
+ * estimates_loop_width(). */
 void shape_places(double total, double bottom_s, double loop, int points, double *places);
 /* Coordinates xyz (points x 3) of the centre line at arc lengths `places`, which ascend. */
 void diagnostics_shape(int nodes, const double *q, const double *s, int points, const double *places, double (*xyz)[3]);

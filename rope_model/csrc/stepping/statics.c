@@ -60,8 +60,8 @@ RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char 
     const size_t size = (size_t)nodal.nodes * DOF, bytes = sizeof(double) * size;
     double *trial = scratch->q, *zeros = scratch->v, *R = scratch->a, *now = scratch->b, *x = sim->x;
     double balance[BALANCE], tau = 0.1, previous = 0, turned = 0, relaxed = 1, last = 0;
-    const bool shortened = lacks_symmetry(sys.P[P_QS], sys.P[P_QK]) > 0;
-    const double largest = fmin(MAX_MOVE, 0.5 * min_body_thickness(&sim->scene));
+    const bool shortened = statics_lacks_symmetry(sys.P[P_QS], sys.P[P_QK]) > 0;
+    const double largest = fmin(STATICS_MAX_MOVE, 0.5 * bodies_min_body_thickness(&sim->scene));
     int balanced = 0, k;
     sim->turned = false;
     const double rounding = 10 * DBL_EPSILON * sim->scene.rope.Qa * nodal.s[nodal.elements] / sys.shortest;
@@ -86,7 +86,7 @@ RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char 
         }
         const double error = -work_along(&sys, now, x);
         /* The tangent lacks the part of the law without energy; relaxation makes up for it. */
-        if (shortened && tau > SETTLED && last > 0) relaxed = relaxation(error / last, relaxed);
+        if (shortened && tau > STATICS_SETTLED && last > 0) relaxed = statics_relaxation(error / last, relaxed);
         const double step = fmin(relaxed, largest / fmax(move, 1e-300));
         last = step < relaxed ? 0 : error; /* how a step that is cut changes the error tells nothing of the tangent */
         for (size_t i = 0; i < size; i++) trial[i] = nodal.q[i] + step * x[i];
@@ -95,7 +95,7 @@ RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char 
         /* A step may raise the residual's norm, as stretch by moving sideways grows with the cube of the step, but not
            the energy.  Where the tangent is indefinite the correction climbs: a smaller tau adds inertia. */
         const bool climbs = error < 0 && previous > rounding;
-        const double uphill = k < PATIENCE ? 3 : 1;
+        const double uphill = k < STATICS_PATIENCE ? 3 : 1;
         const bool ends_low = work_along(&sys, R, x) <= uphill * error || force <= previous + rounding;
         if (climbs || !isfinite(force) || !ends_low) {
             tau *= 0.3;
@@ -108,7 +108,7 @@ RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char 
         memcpy(nodal.q, trial, bytes);
         memcpy(nodal.reaction, R, bytes);
         balanced += force <= rounding;
-        if (balanced > BALANCED || (tau > 1e8 && norm < REST_TOLERANCE * nodal.s[nodal.elements])) {
+        if (balanced > STATICS_BALANCED || (tau > 1e8 && norm < STATICS_REST_TOLERANCE * nodal.s[nodal.elements])) {
             state->offsets[RIGHT] += turned;
             return ROPE_DONE;
         }
@@ -134,6 +134,6 @@ RopeStatus hanging_guess(int nodes, const double *s, const double left[3], const
     InitialShape legs = initial_shape(length, middle, width, cell);
     if (minimum(legs.left_leg, legs.right_leg) <= legs.lean)
         return say_rope_too_short(message, length, width, fabs(left[1] - right[1]));
-    for (int k = 0; k < nodes; k++) initial_node_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
+    for (int k = 0; k < nodes; k++) initial_shape_node_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
     return ROPE_DONE;
 }
