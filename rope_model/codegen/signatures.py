@@ -95,7 +95,7 @@ def array(name: str, *shape: int) -> Argument:
 
 def function_in_c(function: Callable[..., Any]) -> str:
     """Return the name of a function in C, which tells its module, or of a method its class."""
-    *owner, name = function.__qualname__.split(".")
+    *owner, name = function.__qualname__.rpartition("<locals>.")[2].split(".")
     if owner:
         room = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", owner[0]).lower()
     else:

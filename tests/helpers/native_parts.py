@@ -106,7 +106,7 @@ int self_contact_of(const Scene *scene, int elements, const double *lengths, con
     state.xi = state.distances + n;
     state.boxes = calloc(n, sizeof *state.boxes);
     state.others = calloc(n, sizeof *state.others);
-    state.contacts = calloc(MAX_STRANDS * places, sizeof *state.contacts);
+    state.contacts = calloc(ROPE_CONTACT_MAX_STRANDS * places, sizeof *state.contacts);
     const System system = {.elements = elements, .lengths = lengths, .self_contact = &state};
     const int count = find_self_contacts(&system, q, v, cq, cv);
     self_contact_take_force(&state, R);

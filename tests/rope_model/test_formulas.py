@@ -192,8 +192,8 @@ def test_the_type_of_a_rules_argument_in_c_follows_from_its_annotation() -> None
     def reach(rope_data: Scene, friend: Swivel, how: str, parts: InnerCounts, x: Scalar) -> Scalar:
         return where(how == "rigid", parts[4] * rope_data.left.inertia, x * friend.inertia)
 
-    head = "double reach(const Scene *rope_data, const Swivel *friend, int how, const int parts[5], double x)"
-    assert head in number_code(reach)
+    facts = "const Scene *rope_data, const Swivel *friend, int how, const int parts[5], double x"
+    assert f"double test_formulas_reach({facts})" in number_code(reach)
 
 
 def test_a_rules_argument_without_a_type_in_c_is_refused() -> None:

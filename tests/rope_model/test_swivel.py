@@ -103,10 +103,10 @@ def test_all_c_of_a_swivels_friction_follows_one_law(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(swivel_phases, "friction_law", _another_law)
     code = rules_code()
     for name in (
-        "frictionless",
-        "kinetic_friction",
-        "slip_constant",
-        "beyond_rest",
+        "swivel_phases_frictionless",
+        "swivel_phases_kinetic_friction",
+        "swivel_phases_slip_constant",
+        "swivel_phases_beyond_rest",
         "moment_of_swivel",
         "swivel_excess",
     ):
