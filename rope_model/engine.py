@@ -25,9 +25,8 @@ from rope_model.method.generalized_alpha import Motion
 from rope_model.method.partition import Partition
 from rope_model.method.swivel_phases import Phase
 from rope_model.parameters import Scene
-from rope_model.physics.element import NODE_DOF
 from rope_model.physics.energy_balance import Powers
-from rope_model.physics.node import SIDES
+from rope_model.physics.node import NODE_DOF, SIDES
 from rope_model.saved_state import require_form, require_same_rope, state_behind_label
 from rope_model.signals.signal_table import SIGNALS, checked_names
 from rope_model.solver_parameters import FidelityChoice

@@ -14,8 +14,7 @@ from scipy.sparse.linalg import eigsh
 from rope_model.analysis.chain_matrices import of_blocks
 from rope_model.arrays import Array
 from rope_model.engine import NativeRope
-from rope_model.physics.element import NODE_DOF
-from rope_model.physics.node import POSITION
+from rope_model.physics.node import NODE_DOF, POSITION
 
 #: N/m, rounding by Qa / l of a zero stiffness, as of a swivel that turns freely
 ROUNDING = 1e-5

@@ -12,7 +12,7 @@ from itertools import pairwise, product
 from math import prod
 from typing import Any, get_args, get_origin, get_type_hints
 
-from rope_model.method.mesh_pattern import NO_DIVIDERS
+from rope_model.method.mesh_fit import NO_DIVIDERS
 from rope_model.method.swivel_phases import CHATTER_EVENTS, Phase, SwivelState
 from rope_model.physics.guard import CAUSES
 from rope_model.physics.shaft import KINDS

@@ -17,7 +17,7 @@ typedef struct {
     /* Newton's method: correct q, v, a until R is zero where free; v and a follow q by c[1] and c[2].  R holds the last
        known reactions on input.  The first tangents take axial strains from q `before` unless it is NULL. */
     Progress (*solve)(const System *, void *work, double *q, double *v, double *a, double *R, const double c[3],
-                      double tolerance, const double *before, double balance[BALANCE]);
+                      double tolerance, const double *before, double balance[ENERGIES]);
     /* Solve J x = M change with the factors that solve left in `work`. */
     void (*resolve)(const System *, void *work, const double *q, const double *v, const double *a, const double *change,
                     const double *reaction, double *x);
@@ -25,7 +25,7 @@ typedef struct {
     void (*newton_step)(const System *, void *work, const double *q, const double *v, const double *a,
                         const double *reaction, const double c[3], bool factorized, double *x, double *R);
     void (*evaluate)(const System *, const double *q, const double *v, const double *a, const double *reaction,
-                     double *R, double balance[BALANCE]); /* R may be NULL */
+                     double *R, double balance[ENERGIES]); /* R may be NULL */
     void (*losses)(const System *, const double *q, const double *v, double powers[2]);
     void (*air)(const System *, const double *q, const double *v, double sums[AIR_BALANCE]);
     void (*strains)(const System *, const double *q, const double *v, double (*strains)[STRAINS]);

@@ -114,7 +114,7 @@ static RopeStatus hold_ends(const Scene *scene, State *state, const EndMotion en
         const EndMotion *end = &ends[side];
         const EndPath path = end_path_at_rest(state->t, end);
         state->filters[side] = input_filter_at_rest(state->t, end);
-        double measures[14];
+        double measures[PATH_MEASURES];
         input_filter_path_measures(&path, &state->filters[side], measures);
         if (!check_motion(scene, end, measures, side, message)) return ROPE_FAILED;
         double fastest = fabs(end->yaw_rate);

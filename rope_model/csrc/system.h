@@ -24,7 +24,7 @@ typedef struct {
     double time;          /* time at which point forces are evaluated, s */
     double
         *latest; /* WIRE_ELEMENT_TANGENT_SIZE numbers an element, of the latest tangent; scratch, aligned as frames */
-    double P[PARAMETERS];             /* parameters of the element functions */
+    double P[ELEMENT_PARAMETERS];     /* parameters of the element functions */
     bool air_acts;                    /* else `air` is not read */
     double air[AIR_COEFFICIENTS];     /* numbers of AirCoefficients, in their order */
     double load[2], friction_load[2]; /* moments on theta of the ends; friction per newton of tension */

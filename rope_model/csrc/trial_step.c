@@ -168,9 +168,9 @@ void rope_powers(const Scene *scene, State *state) {
 }
 
 /* Set the energies from sums over the elements.  The inertia of the swivels adds to the kinetic energy. */
-static void set_energies(EnergyBalance *energy_balance, const double balance[BALANCE], const System *sys,
+static void set_energies(EnergyBalance *energy_balance, const double balance[ENERGIES], const System *sys,
                          const double *q, const double *v) {
-    double sums[BALANCE], contact[CONTACT_BALANCE];
+    double sums[ENERGIES], contact[CONTACT_BALANCE];
     memcpy(sums, balance, sizeof sums);
     for (int side = LEFT; side <= RIGHT; side++) {
         const double rate = end_row(v, sys->elements + 1, side)[ANGLE];
@@ -184,7 +184,7 @@ double rope_energies(Simulator *sim, State *state) {
     const NodalArrays nodal = state_arrays(state);
     const System sys = rope_system(sim, state);
     const double before = energy_balance_total(&state->energy_balance);
-    double balance[BALANCE];
+    double balance[ENERGIES];
     chain_of(sim, state)->evaluate(&sys, nodal.q, nodal.v, nodal.a, nodal.reaction, NULL, balance);
     set_energies(&state->energy_balance, balance, &sys, nodal.q, nodal.v);
     return energy_balance_total(&state->energy_balance) - before;

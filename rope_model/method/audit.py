@@ -20,13 +20,14 @@ that a step takes, and the turn of the tangent in an element.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from rope_model.method.generalized_alpha import Coefficients, auxiliary_weights
 from rope_model.parameters import Rope
-from rope_model.physics.elementary import Scalar, Vector, atan2, cross, dot, maximum, sqrt, where
+from rope_model.physics.elementary import Scalar, atan2, cross, dot, maximum, sqrt, where
 from rope_model.physics.estimates import axial_frequency
 from rope_model.physics.frame import end_moment
+from rope_model.physics.node import NodeRow
 
 #: force and moment of all loads, then the vertical forces of the left and of the right end alone
 Load = tuple[float, float, float, float, float, float, float, float]
@@ -98,7 +99,7 @@ class AuditedInterval(NamedTuple):
     bend: float  # largest squared change of r' over an element
 
 
-def end_load(q: Vector, f: Vector, torque: Scalar) -> tuple[Scalar, ...]:
+def end_load(q: NodeRow, f: NodeRow, torque: Scalar) -> Annotated[tuple[Scalar, ...], 6]:
     """Return force and moment about the origin (6,) on an end, from its coordinates and reaction (7,)."""
     x, y, z = cross(q, f)
     moment = end_moment(q[3:6], f[3:6], torque)
@@ -121,7 +122,7 @@ def elements_per_bend(square: Scalar) -> Scalar:
     return 0.5 * math.pi / atan2(sqrt(quarter), sqrt(maximum(1.0 - quarter, 0.0)))
 
 
-def signal_values(audit: Audit) -> tuple[Scalar, ...]:
+def signal_values(audit: Audit) -> Annotated[tuple[Scalar, ...], 6]:
     """Return the values of the signals audit.* in their order; 0 where nothing was computed yet."""
     fraction, bend = (where(x > 0, x, 1.0) for x in (audit.period_fraction, audit.bend))
     steps = where(audit.period_fraction > 0, 1.0 / fraction, 0.0)

@@ -29,7 +29,7 @@ WINDOW_DUE = 1.6  #: distance (l) at which the window moves: more than half of t
 
 
 #: elements of segments II to VI
-InnerCounts: TypeAlias = Annotated[Vector, 5]
+InnerCounts: TypeAlias = Annotated[Vector, int, 5]
 
 
 class Pattern(Protocol):
@@ -102,4 +102,3 @@ MAX_OVERSHOOT = 0.25
 #: to spare
 LEG_LENGTHS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 GRADING = 2  #: least distance of an element of m l from segments II to VI over (m - 1) l
-NO_DIVIDERS = (math.inf,) * 8  #: positions of dividers on a rope that none may press

@@ -16,14 +16,9 @@ import casadi as ca
 
 from rope_model.physics import hermite
 from rope_model.physics.air import AirCoefficients, Passing, drag, flow
-from rope_model.physics.element import (
-    ELEMENT_DOF,
-    NODE_DOF,
-    PARAMETERS,
-    ElementFidelity,
-    ElementFunctions,
-)
+from rope_model.physics.element import ELEMENT_DOF, PARAMETERS, ElementFidelity, ElementFunctions
 from rope_model.physics.elementary import Scalar, Vector, cross, dot
+from rope_model.physics.node import NODE_DOF
 
 #: numbers of AirCoefficients, whose velocity has three; AIR_SIZE includes both conveyances
 COEFFICIENTS_SIZE = len(AirCoefficients._fields) + 2

@@ -19,7 +19,17 @@ surface's curvature.  Works on numbers and CasADi expressions; vectors have thei
 
 from typing import NamedTuple
 
-from rope_model.physics.elementary import Scalar, Vector, cross, dot, less, maximum, minimum, sqrt
+from rope_model.physics.elementary import (
+    Scalar,
+    Vector3,
+    cross,
+    dot,
+    less,
+    maximum,
+    minimum,
+    sqrt,
+)
+from rope_model.physics.node import PointRow
 from rope_model.physics.shaft import Body, distance, normal
 from rope_model.shaft_parameters import Contact
 
@@ -34,7 +44,7 @@ CONTACT_MARGIN = 0.05
 SUMS = ("energy", "dissipated", "moved", "fx", "fy", "fz", "mx", "my", "mz", "pressure")
 
 
-def largest_motion(longest: Scalar, q: Vector, before: Vector) -> Scalar:
+def largest_motion(longest: Scalar, q: PointRow, before: PointRow) -> Scalar:
     """Return a bound (m) of the change of the rope's distance from a body or itself: its maximum over all nodes.
 
     The node's row r, r' changes from ``before`` to ``q``.  No point of an element moves by more
@@ -71,9 +81,9 @@ def contact_law(
     contact: ContactLaw | Contact,
     diameter: Scalar,
     body: Body,
-    body_velocity: Vector,
-    point: Vector,
-    velocity: Vector,
+    body_velocity: Vector3,
+    point: Vector3,
+    velocity: Vector3,
     cq: Scalar,
     cv: Scalar,
 ) -> ContactTerms:

@@ -16,7 +16,7 @@ and of the loop's position are proportional to it.  Works on numbers and CasADi 
 """
 
 import math
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from rope_model.parameters import Scene
 from rope_model.physics.elementary import (
@@ -52,7 +52,11 @@ class ContactSums(NamedTuple):
 
 
 def add_contact(
-    scene: Scene, sums: ContactSums, h: Scalar, pressures: Vector, longest: Scalar
+    scene: Scene,
+    sums: ContactSums,
+    h: Scalar,
+    pressures: Annotated[Vector, len(KINDS) + 1],
+    longest: Scalar,
 ) -> ContactSums:
     """Return ``sums`` after a step ``h`` with the ``pressures`` (6,) of KINDS and of the rope on itself in its middle.
 

@@ -18,8 +18,9 @@ tangent.  Works on numbers and CasADi expressions; a and b are the rows r, r' of
 from typing import NamedTuple
 
 from rope_model.physics.contact import ONSET
-from rope_model.physics.elementary import Scalar, Vector, dot, less, maximum, unit_sign, where
+from rope_model.physics.elementary import Scalar, dot, less, maximum, unit_sign, where
 from rope_model.physics.hermite import GAUSS, interpolate
+from rope_model.physics.node import PointRow
 from rope_model.physics.shaft import Body, distance, normal
 
 #: parts of an element that are checked one by one: an element in the loop turns by half a radian,
@@ -46,7 +47,7 @@ class Probe(NamedTuple):
     rate: float
 
 
-def probe(xi: Scalar, l: Scalar, a: Vector, b: Vector, diameter: Scalar, body: Body) -> Probe:
+def probe(xi: Scalar, l: Scalar, a: PointRow, b: PointRow, diameter: Scalar, body: Body) -> Probe:
     """Return the penetration depth of the element at ``xi``."""
     values = [interpolate(xi, l, a[k], a[3 + k], b[k], b[3 + k]) for k in range(3)]
     point = tuple(r for r, _ in values)

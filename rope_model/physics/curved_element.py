@@ -33,6 +33,7 @@ from rope_model.physics.frame import (
     smallest_rotation_rate,
 )
 from rope_model.physics.initial_curvature import TO_POINTS, curvature_vectors
+from rope_model.physics.node import NODE_DOF
 
 #: number of entries of an element: k0 at its points, angles, and EI
 CURVED_SIZE = 3 * len(element.POINTS) + 3
@@ -55,7 +56,7 @@ class CurvedFunctions(NamedTuple):
 def curved_functions() -> CurvedFunctions:
     """Build the functions."""
     relative = element.relative_coordinates()
-    q = ca.SX.sym("q", 2 * element.NODE_DOF)
+    q = ca.SX.sym("q", 2 * NODE_DOF)
     l = ca.SX.sym("l")
     F = ca.SX.sym("F", element.FRAME_SIZE)
     C = ca.SX.sym("C", CURVED_SIZE)
@@ -121,7 +122,7 @@ def curvature_along(elements: int) -> ca.Function:
     """
     start = ca.SX.sym("start", 3)
     l = ca.SX.sym("l")
-    nodes = ca.SX.sym("nodes", 2 * element.NODE_DOF)
+    nodes = ca.SX.sym("nodes", 2 * NODE_DOF)
     components = ca.SX.sym("components", 2 * len(element.POINTS))
     *k0, x, y, z = curvature_vectors(components, l, nodes, start)
     inputs = [start, components, l, nodes]

@@ -47,8 +47,8 @@ from rope_model.physics import costello
 from rope_model.physics.elementary import Scalar, less, sqrt, where
 from rope_model.physics.frame import FrameRate, smallest_rotation_rate
 from rope_model.physics.hermite import PRODUCTS
+from rope_model.physics.node import NODE_DOF
 
-NODE_DOF = 7
 ElementFidelity = Literal["torsional", "spatial", "planar"]
 #: the degrees of freedom of a node that a fidelity keeps
 ELEMENT_DOF: dict[ElementFidelity, tuple[int, ...]] = {
@@ -105,8 +105,8 @@ def torsional_slowness(rope: Rope) -> Scalar:
     )
 
 
-#: entries of an element's balance, in order
-BALANCE = (
+#: energies of an element, in order
+ENERGIES = (
     "axial",  # J, 1/2 Qa e^2
     "coupling",  # J, Qs e tau
     "torsion",  # J, 1/2 (Qd + Qe e) tau^2
@@ -114,10 +114,13 @@ BALANCE = (
     "kinetic",  # J, translation
     "spin",  # J, rotation about the tangent
     "gravity",  # J, zero at Y = 0
+)
+#: entries of an element's balance: its energies, then powers
+BALANCE = (
+    *ENERGIES,
     "damping_power",  # W, dissipated, never negative
     "nonconservative_power",  # W, taken up by the part of the Costello law that has no energy
 )
-FIRST_POWER = BALANCE.index("damping_power")  #: energies come before it, powers from it on
 #: entries of one element's momentum: linear, angular about the origin, and first moment of the mass
 MOMENTUM = ("px", "py", "pz", "Lx", "Ly", "Lz", "Sx", "Sy", "Sz")
 #: entries of one element's strains: means of e and tau over the element, root mean square of k,
@@ -203,7 +206,7 @@ def element_functions(
         residual=function("residual", [q, v, a, l, F, P], [R]),
         tangent=function("tangent", [q, v, a, l, F, P, *c, q_prestress], [R, J]),
         balance=function("balance", [q, v, l, F, P], [balance]),
-        losses=function("losses", [q, v, l, F, P], [balance[FIRST_POWER:]]),
+        losses=function("losses", [q, v, l, F, P], [balance[len(ENERGIES) :]]),
         strains=function("strains", [q, v, l, F], [strains]),
         momentum=function("momentum", [q, v, l, P], [momentum]),
         reference=function("reference", [q, l], [reference]),

@@ -21,6 +21,7 @@ from typing import NamedTuple
 from rope_model.physics.elementary import (
     Scalar,
     Vector,
+    Vector3,
     cos,
     less,
     maximum,
@@ -53,7 +54,7 @@ class Body(NamedTuple):
     side: float
 
 
-def distance(point: Vector, body: Body) -> Scalar:
+def distance(point: Vector3, body: Body) -> Scalar:
     """Return the distance (m) of ``point`` (3,) from the body's surface; negative inside of the body."""
     x, y, z = _in_axes(
         point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body
@@ -61,7 +62,7 @@ def distance(point: Vector, body: Body) -> Scalar:
     return _distance(abs(x) - body.half[0], abs(y) - body.half[1], abs(z) - body.half[2], body)
 
 
-def min_distance(point: Vector, extent: Vector, body: Body) -> Scalar:
+def min_distance(point: Vector3, extent: Vector3, body: Body) -> Scalar:
     """Return the smallest distance (m) over the box about ``point`` with half widths ``extent`` along X, Y, Z."""
     x, y, z = _in_axes(
         point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body
@@ -118,13 +119,13 @@ def lining(lining: Lining) -> Body:
     )
 
 
-def conveyance(conveyance: Conveyance, end: Vector) -> Body:
+def conveyance(conveyance: Conveyance, end: Vector3) -> Body:
     """Return the conveyance from which the rope's ``end`` (3,) hangs; it moves with that end."""
     half = 0.5 * conveyance.width, 0.5 * conveyance.height, 0.5 * conveyance.depth
     return Body((end[0], end[1] + conveyance.above + half[1], end[2]), half, 0.0, 1.0, 0.0, 1.0)
 
 
-def head_ropes(head_ropes: HeadRopes, conveyance: Conveyance, end: Vector) -> Body:
+def head_ropes(head_ropes: HeadRopes, conveyance: Conveyance, end: Vector3) -> Body:
     """Return the ropes above that conveyance; they begin at its top and move sideways with it."""
     centre = end[0], end[1] + conveyance.above + conveyance.height + DEEP, end[2]
     return Body(centre, (0.0, DEEP, 0.5 * head_ropes.row), 0.5 * head_ropes.diameter, 1.0, 0.0, 1.0)

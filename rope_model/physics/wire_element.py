@@ -25,6 +25,7 @@ import casadi as ca
 from rope_model.physics import element
 from rope_model.physics.bending_element import bending_element
 from rope_model.physics.frame import smallest_rotation_rate
+from rope_model.physics.node import NODE_DOF
 from rope_model.physics.wire_friction import (
     POINT_STATE_SIZE,
     REGULARIZATION,
@@ -61,10 +62,10 @@ def wire_functions(fidelity: element.ElementFidelity) -> WireFunctions:
     """Build the functions for a fidelity."""
     dofs = [
         *element.ELEMENT_DOF[fidelity],
-        *(element.NODE_DOF + k for k in element.ELEMENT_DOF[fidelity]),
+        *(NODE_DOF + k for k in element.ELEMENT_DOF[fidelity]),
     ]
     symbol = ca.SX.sym("q", len(dofs))
-    q = ca.SX.zeros(2 * element.NODE_DOF)
+    q = ca.SX.zeros(2 * NODE_DOF)
     q[dofs] = symbol
     l = ca.SX.sym("l")
     H = ca.SX.sym("H", HISTORY_SIZE)

@@ -24,7 +24,7 @@ from rope_model.boundary.input_filter import InputFilter, PathMeasures
 from rope_model.codegen.build import sources
 from rope_model.codegen.state_structures import PARTS
 from rope_model.codegen.structures import GROUPS, EndMotionStructure, scene_structure
-from rope_model.method.mesh_pattern import NO_DIVIDERS
+from rope_model.method.mesh_fit import NO_DIVIDERS
 from rope_model.method.newton import SMOOTH, NewtonLimits
 from rope_model.method.partition import Partition
 from rope_model.parameters import Scene

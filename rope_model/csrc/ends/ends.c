@@ -47,7 +47,7 @@ double end_strain(const Scene *scene, int nodes, const double *q, const double *
     return attachment == PLUMB ? y[1] : elementary_dot(y, t) / sqrt(elementary_dot(t, t));
 }
 
-RopeStatus check_motion(const Scene *scene, const EndMotion *target, const double measures[14], int side,
+RopeStatus check_motion(const Scene *scene, const EndMotion *target, const double measures[PATH_MEASURES], int side,
                         char *message) {
     const Inputs *inputs = &scene->inputs;
     static const char *const names[] = END_MOTION_NAMES;

@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "formulas.h"
 #include "state_structures.h"
 
 /* Return "left" or "right". */
@@ -24,7 +25,7 @@ static inline void set_end_value(EndMotion *motion, int index, double value) {
 
 /* Refuse a target motion that is out of range, or whose `measures`, from input_filter_path_measures, exceed the
  * scene's. */
-RopeStatus check_motion(const Scene *scene, const EndMotion *target, const double measures[14], int side,
+RopeStatus check_motion(const Scene *scene, const EndMotion *target, const double measures[PATH_MEASURES], int side,
                         char *message);
 /* Return the axial strain at an end, in an array x like q; of the next node where a clamp gives this one's. */
 double end_strain(const Scene *scene, int nodes, const double *q, const double *x, int side);

@@ -42,7 +42,7 @@ static Progress dynamic_equilibrium(Simulator *sim, State *state, double time, d
     const System sys = rope_system(sim, state);
     const size_t bytes = sizeof(double) * (size_t)nodal.nodes * DOF;
     const double c[3] = {1, 0, pow(time, -2)};
-    double balance[BALANCE];
+    double balance[ENERGIES];
     copy_fields(now, &nodal);
     const Progress newton =
         chain_of(sim, state)

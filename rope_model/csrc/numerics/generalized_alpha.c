@@ -105,7 +105,7 @@ void generalized_alpha_restart(Simulator *sim, State *state, const System *sys) 
     const NodalArrays nodal = state_arrays(state);
     const size_t size = (size_t)nodal.nodes * DOF;
     const double c[3] = {0, 0, 1};
-    double unused[BALANCE], *reaction = sim->trial.reaction;
+    double unused[ENERGIES], *reaction = sim->trial.reaction;
     memset(nodal.a, 0, sizeof(double) * size);
     rope_system_prescribed_motion(&sim->scene, state, sys, state->t, 3, (double *[]){nodal.q, nodal.v, nodal.a});
     for (int again = 0; again < 2; again++) { /* friction of the second pass uses the reactions of the first */

@@ -59,7 +59,7 @@ RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char 
     const Chain *chain = chain_of(sim, state);
     const size_t size = (size_t)nodal.nodes * DOF, bytes = sizeof(double) * size;
     double *trial = scratch->q, *zeros = scratch->v, *R = scratch->a, *now = scratch->b, *x = sim->x;
-    double balance[BALANCE], tau = 0.1, previous = 0, turned = 0, relaxed = 1, last = 0;
+    double balance[ENERGIES], tau = 0.1, previous = 0, turned = 0, relaxed = 1, last = 0;
     const bool shortened = statics_lacks_symmetry(sys.P[P_QS], sys.P[P_QK]) > 0;
     const double largest = fmin(STATICS_MAX_MOVE, 0.5 * bodies_min_body_thickness(&sim->scene));
     int balanced = 0, k;
