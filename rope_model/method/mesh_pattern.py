@@ -1,4 +1,4 @@
-"""Pattern of TMN-ETM: lengths of its segments and conditions of its transformations; codegen.rules makes the C of it.
+"""Pattern of TMN-ETM: lengths of its segments and conditions of its transformations; codegen.formulas lists what C has of it.
 
 ``counts`` are the elements of segments II to VI, lengths are in units of l.  A ``pattern`` has the
 counts of all seven segments and l as ``coarse``, all 0 for EEM.

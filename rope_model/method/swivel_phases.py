@@ -1,4 +1,4 @@
-"""Friction of a swivel in each phase, and the event function of a phase; codegen.rules makes the C of it.
+"""Friction of a swivel in each phase, and the event function of a phase; codegen.formulas lists what C has of it.
 
 ``swivel_state`` is its SwivelState, ``constraint_moment`` the moment (N m) with which the
 conveyance would hold the rope's end, and ``rate`` that of the swivel's angle (rad/s).

@@ -102,7 +102,8 @@ def with_numbers(symbolic: Any, chance: random.Random) -> Any:
         if hasattr(symbolic, "_fields"):
             return type(symbolic)(*parts)
         return tuple(parts)
-    made = object.__new__(type(symbolic))
+    kind = type(symbolic)
+    made = kind.__new__(kind)
     vars(made).update({name: with_numbers(part, chance) for name, part in vars(symbolic).items()})
     return made
 
