@@ -26,13 +26,15 @@ from rope_model.method.partition import Partition
 from rope_model.method.swivel_phases import Phase
 from rope_model.parameters import Scene
 from rope_model.physics.energy_balance import Powers
-from rope_model.physics.node import NODE_DOF, SIDES
+from rope_model.physics.node import ANGLE, NODE_DOF, SIDES
 from rope_model.saved_state import require_form, require_same_rope, state_behind_label
 from rope_model.signals.signal_table import SIGNALS, checked_names
 from rope_model.solver_parameters import FidelityChoice
 from rope_model.state import NO_HYSTERESIS, Event, RopeState
 from rope_model.warnings.result_warnings import WARNINGS
 
+#: numbers of a row: arc length, r, r' and their rates
+ROW_SIZE = 1 + 2 * ANGLE
 _MOTIONS = struct.Struct(f"{2 * len(EndMotion.__dataclass_fields__)}d")
 _SWITCHES = ("sticks", "slips +", "slips -")
 _FIDELITY_NAMES = get_args(FidelityChoice)
@@ -256,7 +258,7 @@ class NativeRope(BalanceRope):
 
     def rows(self) -> NDArray[np.float64]:
         self._require_state()
-        rows = np.empty((self.elements + 1, 13))
+        rows = np.empty((self.elements + 1, ROW_SIZE))
         self._lib.rope_rows(self._rope, rows.ctypes.data)
         return rows
 
@@ -378,7 +380,6 @@ class NativeRope(BalanceRope):
         """Return the status after a call of the library that returned ``succeeded``."""
         if succeeded:
             self._state = None
-        if succeeded:
             return _VALID
         return Status(False, self._lib.rope_message(self._rope).decode())
 
@@ -439,16 +440,18 @@ def _unpack(data: bytes) -> RopeState:
     s = layout.StateStructure.from_buffer_copy(data)
     n = s.elements
     values = np.frombuffer(data, dtype=np.float64, offset=ctypes.sizeof(layout.StateStructure))
-    size = 7 * (n + 1)
+    size = NODE_DOF * (n + 1)
     x = {
-        name: values[i * size : (i + 1) * size].reshape(n + 1, 7).copy()
+        name: values[i * size : (i + 1) * size].reshape(n + 1, NODE_DOF).copy()
         for i, name in enumerate(layout.ARRAYS)
     }
+    lengths_at = len(layout.ARRAYS) * size
+    hysteresis_at = lengths_at + n + (n + 1)
     return RopeState(
         **{name: read(getattr(s, name)) for name, read in _READERS.items()},
         motion=Motion(s.t, x["q"], x["v"], x["a"], x["b"], x["a_rate"], s.h, x["reaction"]),
         partition=Partition(
-            values[6 * size : 6 * size + n].copy(),
+            values[lengths_at : lengths_at + n].copy(),
             tuple(s.pattern.counts),
             s.pattern.coarse,
             s.pattern.end_levels,
@@ -459,9 +462,7 @@ def _unpack(data: bytes) -> RopeState:
         fidelity_reason=s.fidelity_reason.decode(),
         events=tuple(_event(event) for event in s.events[: s.event_count]),
         powers=Powers(s.power_ends, s.power_swivel),
-        hysteresis=values[6 * size + 2 * n + 1 :][: n * NO_HYSTERESIS.shape[1]]
-        .reshape(n, -1)
-        .copy()
+        hysteresis=values[hysteresis_at:][: n * NO_HYSTERESIS.shape[1]].reshape(n, -1).copy()
         if s.rubs
         else NO_HYSTERESIS,
     )

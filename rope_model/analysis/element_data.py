@@ -38,7 +38,7 @@ def element_data(rope: NativeRope) -> ElementData:
     scene = rope.scene
     facts = rope.linear_facts()
     frames = rope.frames()
-    features = list[int]()
+    features: list[int] = []
     if facts.curved:
         features.append(CURVED)
     if facts.rubs:

@@ -17,7 +17,7 @@ from rope_model.engine import NativeRope
 from rope_model.physics.node import NODE_DOF, POSITION
 
 #: N/m, rounding by Qa / l of a zero stiffness, as of a swivel that turns freely
-ROUNDING = 1e-5
+ZERO_STIFFNESS = 1e-5
 _Z = 2  #: of a position
 
 
@@ -54,7 +54,7 @@ def modes_of(
     Raises ValueError if the equilibrium is unstable and has no such frequency.
     """
     lowest = softest(stiffness, free)
-    if lowest < -ROUNDING:
+    if lowest < -ZERO_STIFFNESS:
         raise ValueError(
             f"the equilibrium is unstable: its softest stiffness, {lowest:.3g} N/m, is negative; use less twist"
         )

@@ -16,10 +16,11 @@ from rope_model.method.mesh_fit import NO_DIVIDERS
 from rope_model.method.swivel_phases import CHATTER_EVENTS, Phase, SwivelState
 from rope_model.physics.guard import CAUSES
 from rope_model.physics.shaft import KINDS
+from rope_model.solver_parameters import INNER_SEGMENTS
 from rope_model.state import NO_HYSTERESIS, Counts, RopeState
 
 MESSAGE = 512  #: bytes of a message
-SEGMENTS = 7  #: segments of TMN-ETM
+SEGMENTS = len(INNER_SEGMENTS) + 2  #: segments of TMN-ETM, with I and VII
 LOGGED_EVENTS = 128  #: largest number of events of an advance in the state
 #: kinds of events
 HAPPENINGS = ("transformed", "sticks", "slips_forward", "slips_back", "raised")
@@ -58,12 +59,10 @@ class PatternStructure(Structure):
     """Pattern of TMN-ETM; coarse = 0 for EEM."""
 
     _fields_ = (
-        *(
-            ("coarse", c_double),
-            ("grading_length", c_double),
-            ("counts", c_int * SEGMENTS),
-            ("end_levels", c_int),
-        ),
+        ("coarse", c_double),
+        ("grading_length", c_double),
+        ("counts", c_int * SEGMENTS),
+        ("end_levels", c_int),
         ("windows", c_int * len(NO_DIVIDERS)),
     )
 

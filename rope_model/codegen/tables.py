@@ -7,7 +7,7 @@ from typing import Any, get_args
 from rope_model.boundary.bodies import BODIES
 from rope_model.boundary.end_paths import MOTION_BOUNDS
 from rope_model.codegen.expressions import texts_of
-from rope_model.codegen.state_structures import structure_code
+from rope_model.codegen.state_structures import MESSAGE, structure_code
 from rope_model.codegen.structures import (
     GROUPS,
     EndMotionStructure,
@@ -30,6 +30,7 @@ from rope_model.signals.signal_groups import group_of
 from rope_model.signals.signal_table import SHAPE_POINTS, SIGNALS
 from rope_model.solver_parameters import MAX_ELEMENTS, FidelityChoice
 from rope_model.texts import c_string
+from rope_model.warnings.result_warnings import WARNINGS
 
 _HEAD = "/* Generated from the parameters of rope_model by rope_model.codegen.tables. */\n"
 
@@ -67,7 +68,11 @@ def constant(name: str) -> str:
 
 def parameter_structures() -> str:
     """Return the text of parameters.h: bounds of motions, codes of choices, a structure for each group."""
-    parts = [f"enum {{ MAX_ELEMENTS = {MAX_ELEMENTS} }};\n"]
+    parts = [
+        f"/* bytes for a message, with its terminating zero */\nenum {{ MESSAGE = {MESSAGE} }};\n",
+        f"/* number of kinds of warnings */\nenum {{ ROPE_WARNINGS = {len(WARNINGS)} }};\n",
+        f"enum {{ MAX_ELEMENTS = {MAX_ELEMENTS} }};\n",
+    ]
     names = ", ".join(map(c_string, MOTION_BOUNDS))
     reach = ", ".join(map(repr, MOTION_BOUNDS.values()))
     offsets = ", ".join(f"offsetof(EndMotion, {name})" for name in MOTION_BOUNDS)
@@ -124,13 +129,11 @@ def _structure(kind: type[Any]) -> str:
 
 
 def _bounds(kind: type[Any]) -> str:
-    """Return check_rope and so on: require_in_bounds of rope_model.parameter_table in C."""
+    """Return check_rope and so on, which check in the order of ParameterGroup.require_in_bounds."""
     known = {m.name: m for m in members(kind)}
     table = [(name, p) for name, p in check_order(kind) if name in known and not known[name].length]
-    calls = [_choice(name, p) for name, p in table if p.choices]
-    calls += [
-        f'require_finite(check, "{name}", x->{name})' for name, _ in table if known[name].real
-    ]
+    calls = [f'require_finite(check, "{name}", x->{name})' for name, _ in table if known[name].real]
+    calls += [_choice(name, p) for name, p in table if p.choices]
     calls += [_range(name, p, known[name].real) for name, p in table if p.bound and not p.choices]
     with no_simplification():
         body = "".join(

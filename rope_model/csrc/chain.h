@@ -12,7 +12,9 @@
 
 enum { MAX_LANES = 8 }; /* the last group of elements may have lanes to spare */
 
-/* Operations on a chain of elements at one fidelity. */
+/* Operations on a chain of elements at one fidelity: `solve` is FN(solve) of rope_system.inc, called torsional_solve
+   and so on; the others are FN(...) of that file and of block_chain.inc, in the order of CHAIN in
+   rope_kernels_form.inc. */
 typedef struct {
     /* Newton's method: correct q, v, a until R is zero where free; v and a follow q by c[1] and c[2].  R holds the last
        known reactions on input.  The first tangents take axial strains from q `before` unless it is NULL. */

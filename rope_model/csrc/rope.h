@@ -8,11 +8,12 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "parameters.h" /* generated: codes of choices, EndMotion, and Scene with its groups of parameters */
+/* generated: MESSAGE, ROPE_WARNINGS, codes of choices, EndMotion, and Scene with its groups of parameters */
+#include "parameters.h"
 
 enum { LEFT, RIGHT };
 enum { SLOPE = 3, ANGLE = 6, DOF = 7 }; /* degrees of freedom of a node: r (3), r' (3), theta */
-enum { MESSAGE = 512 };                 /* bytes for a message, with its terminating zero */
+enum { ROPE_ROW = 1 + 2 * ANGLE };      /* numbers of a row of rope_rows */
 
 /* The host's allocator, with the behaviour of calloc and free. */
 typedef struct {
@@ -54,7 +55,7 @@ typedef struct {
 /* Apply point forces until the next call.  The rope keeps the pointer to `places`; a saved state has no forces. */
 void rope_apply(Simulator *sim, const PointForces *forces);
 /* Arc length, r, r', and the rates of r and r' of each node. */
-void rope_rows(const Simulator *sim, double (*rows)[13]);
+void rope_rows(const Simulator *sim, double (*rows)[ROPE_ROW]);
 /* Displacements, m, by forces at `start` that act at the end of a step as long as the last one; linearised.  Refused
    for a rigid rope. */
 RopeStatus rope_displacement(Simulator *sim, const PointForces *forces, double (*moved)[3]);
@@ -68,7 +69,7 @@ const char *rope_fidelity_reason(const Simulator *sim);
 
 /* Write a warning about valid results into message (MESSAGE bytes), "" if it does not apply.  `index` is 0
    to ROPE_EXTRAPOLATION; the last one is only for hosts that extrapolate the ends' motions. */
-enum { ROPE_WARNINGS = 13, ROPE_EXTRAPOLATION = ROPE_WARNINGS };
+enum { ROPE_EXTRAPOLATION = ROPE_WARNINGS };
 void rope_warning(Simulator *sim, int index, char *message);
 
 /* Write the values of outputs, by their numbers in rope_model.signals.signal_table.SIGNALS.  Booleans and

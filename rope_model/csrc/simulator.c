@@ -268,7 +268,7 @@ void rope_apply(Simulator *sim, const PointForces *forces) {
     sim->replay.known = false;
 }
 
-void rope_rows(const Simulator *sim, double (*rows)[13]) {
+void rope_rows(const Simulator *sim, double (*rows)[ROPE_ROW]) {
     const NodalArrays nodal = state_arrays(sim->state);
     for (int node = 0; node < nodal.nodes; node++) {
         const double *q = nodal.q + (size_t)node * DOF, *v = nodal.v + (size_t)node * DOF;

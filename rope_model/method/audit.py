@@ -6,7 +6,7 @@ compared with the end forces and moments and the weight:
     p_1 - p_0 - int (F_l + F_r + W) dt = H f,      L_1 - L_0 - int (M_l + M_r + M_W) dt = H m
 
 about a point midway between the ends.  Shorter communication steps are taken together until they
-last MIN_INTERVAL:  the small impulse by which a transformation of the mesh corrects the motion
+last JUDGED_INTERVAL:  the small impulse by which a transformation of the mesh corrects the motion
 would be a large force over 10 ns.
 
 f and m, mean missing force and moment, are zero for the exact motion.  The trapezoidal rule of the
@@ -43,7 +43,7 @@ MISSING_FORCE = 1e-3  #: missing force over the largest end force
 MISSING_MOMENT = 5e-3  #: missing moment over the largest end force times the spacing
 #: s, time over which an impulse that is missing counts as a force: below the usual steps of 5 ms
 #: and more, and with the correction of a transformation, some 1e-4 N m s, far below MISSING_MOMENT
-MIN_INTERVAL = 4e-3
+JUDGED_INTERVAL = 4e-3
 #: time steps in an axial period: in an emergency stop of the 120 m rope the error of end forces is
 #: 4 % with 3.1, 8 % with 2.1
 MIN_STEPS = 3.0
@@ -169,7 +169,7 @@ def after_interval(audit: Audit, interval: AuditedInterval, mass: Scalar, gravit
     before = audit.sums
     sums = interval.sums
     h = audit.interval + interval.h
-    judged = h >= MIN_INTERVAL
+    judged = h >= JUDGED_INTERVAL
     # the first moment is a cubic with p as its rate at both ends
     x, z = (
         0.5 * h * (before[6 + k] + sums[6 + k]) + h * h / 12.0 * (before[k] - sums[k])

@@ -84,12 +84,12 @@ def contact_law(
     body_velocity: Vector3,
     point: Vector3,
     velocity: Vector3,
-    cq: Scalar,
-    cv: Scalar,
+    c_q: Scalar,
+    c_v: Scalar,
 ) -> ContactTerms:
     """Return the contact of the centre line at ``point`` with a body, per length, for their velocities (m/s).
 
-    The tangent is that with respect to (cq, cv) times position and velocity.
+    The tangent is that with respect to (c_q, c_v) times position and velocity.
     """
     n = normal(point, body)
     onset = ONSET * diameter
@@ -112,10 +112,12 @@ def contact_law(
         pressure * n[2] - drag * u[2],
     )
 
-    normal_stiffness = cq * damped * contact.stiffness * soft / onset
-    normal_stiffness = normal_stiffness + cv * (less(0.0, damped) * contact.damping * spring - drag)
-    softening = cv * drag / (slip * slip)
-    viscous = cv * drag
+    normal_stiffness = c_q * damped * contact.stiffness * soft / onset
+    normal_stiffness = normal_stiffness + c_v * (
+        less(0.0, damped) * contact.damping * spring - drag
+    )
+    softening = c_v * drag / (slip * slip)
+    viscous = c_v * drag
     pairs = ((i, j) for i in range(3) for j in range(i, 3))
     xx, xy, xz, yy, yz, zz = (
         normal_stiffness * n[i] * n[j] - softening * u[i] * u[j] for i, j in pairs

@@ -32,7 +32,7 @@ STEPS = 10  #: Newton steps for a level of the depth
 #: m, tolerance of a depth that is searched for
 DEPTH_TOLERANCE = 1e-12
 #: m, least size of a slope that divides
-TINY = 1e-30
+LEAST_SLOPE = 1e-30
 #: depths, in diameters, at which a piece ends, from the deeper end on
 LEVELS = (ONSET, 0.0)
 PARTS = tuple(x for x, _ in GAUSS)  #: Gauss points of a piece, from its deeper end
@@ -74,8 +74,8 @@ def reaching(outer: Probe, inner: Scalar, level: Scalar) -> Scalar:
 
 
 def nonzero(x: Scalar) -> Scalar:
-    """Return ``x``, or TINY with its sign."""
-    return unit_sign(x) * maximum(abs(x), TINY)
+    """Return ``x``, or LEAST_SLOPE with its sign."""
+    return unit_sign(x) * maximum(abs(x), LEAST_SLOPE)
 
 
 def contact_point(

@@ -24,7 +24,7 @@ Vector: TypeAlias = Sequence[Scalar] | Any
 Vector2: TypeAlias = Annotated[Vector, 2]
 Vector3: TypeAlias = Annotated[Vector, 3]
 
-TINY = 1e-300  #: smallest divisor
+SMALLEST_DIVISOR = 1e-300  #: smallest divisor
 
 #: isinstance is four times as fast with a tuple as with float | int, and every formula calls it
 _NUMBER = float, int

@@ -93,8 +93,8 @@ def self_contact_law(
     diameter: Scalar,
     separation: Vector3,
     velocity: Vector3,
-    cq: Scalar,
-    cv: Scalar,
+    c_q: Scalar,
+    c_v: Scalar,
 ) -> ContactTerms:
     """Return the contact, per length, of a point at ``separation`` (3,) from another with relative ``velocity``."""
     law = ContactLaw(
@@ -104,4 +104,4 @@ def self_contact_law(
         slip_speed=contact.slip_speed,
     )
     other = Body((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.5 * diameter, 1.0, 0.0, 1.0)
-    return contact_law(law, diameter, other, (0.0, 0.0, 0.0), separation, velocity, cq, cv)
+    return contact_law(law, diameter, other, (0.0, 0.0, 0.0), separation, velocity, c_q, c_v)

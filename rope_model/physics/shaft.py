@@ -40,7 +40,7 @@ DEEP = 1e4
 #: kinds of bodies; the number of a kind is its index
 KINDS = ("lining", "conveyance", "head_ropes", "divider", "floor")
 #: m^2, keeps the root smooth where all of max(q, 0) vanishes; it is 1e-12 m off there
-TINY = 1e-24
+ROOT_SMOOTHING = 1e-24
 
 
 class Body(NamedTuple):
@@ -86,7 +86,7 @@ def normal(point: Vector, body: Body) -> tuple[Scalar, Scalar, Scalar]:
     )
     q = [abs(x) - h for x, h in zip(local, (body.half[0], body.half[1], body.half[2]), strict=True)]
     out = [maximum(x, 0.0) for x in q]
-    root = sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2] + TINY)
+    root = sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2] + ROOT_SMOOTHING)
     # within the box the normal is that of the nearest face
     largest = maximum(maximum(q[0], q[1]), q[2])
     faces = [(1.0 - less(0.0, x)) * (1.0 - less(x, largest)) for x in q]
@@ -106,7 +106,7 @@ def _distance(x: Scalar, y: Scalar, z: Scalar, body: Body) -> Scalar:
     b = maximum(y, 0.0)
     c = maximum(z, 0.0)
     within = minimum(maximum(maximum(x, y), z), 0.0)
-    return body.side * (sqrt(a * a + b * b + c * c + TINY) + within - body.radius)
+    return body.side * (sqrt(a * a + b * b + c * c + ROOT_SMOOTHING) + within - body.radius)
 
 
 def lining(lining: Lining) -> Body:

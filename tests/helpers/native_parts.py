@@ -22,7 +22,7 @@ from rope_model import compiler as kernels
 from rope_model.boundary.end_paths import EndMotion
 from rope_model.boundary.input_filter import InputFilter, PathMeasures
 from rope_model.codegen.build import sources
-from rope_model.codegen.state_structures import PARTS
+from rope_model.codegen.state_structures import MESSAGE, PARTS, PatternStructure
 from rope_model.codegen.structures import GROUPS, EndMotionStructure, scene_structure
 from rope_model.method.mesh_fit import NO_DIVIDERS
 from rope_model.method.newton import SMOOTH, NewtonLimits
@@ -38,7 +38,6 @@ Array = NDArray[np.float64]
 
 #: warnings under which tests compile C, as errors
 WARNINGS = ("-Wall", "-Wextra", "-Wshadow", "-Werror")
-MESSAGE = 512
 
 
 class CLoopBottom(ct.Structure):
@@ -47,15 +46,6 @@ class CLoopBottom(ct.Structure):
 
 class CLoopTurns(ct.Structure):
     _fields_ = (("number", ct.c_double), ("sharpest_y", ct.c_double))
-
-
-class CPattern(ct.Structure):
-    _fields_ = (("coarse", ct.c_double), ("grading_length", ct.c_double))
-    _fields_ += (
-        ("counts", ct.c_int32 * 7),
-        ("end_levels", ct.c_int32),
-        ("windows", ct.c_int32 * 8),
-    )
 
 
 #: functions that have no name in a library, and arrays of a state
@@ -93,7 +83,7 @@ void carry_wires(int elements, const double *old_s, const double *lengths, const
 
 /* Contact of a rope with itself: subtract its forces from R, add its tangent times x to y, and its sums to sums. */
 int self_contact_of(const Scene *scene, int elements, const double *lengths, const double *q, const double *v,
-                    double cq, double cv, const double *x, double *R, double *y, double *sums) {
+                    double c_q, double c_v, const double *x, double *R, double *y, double *sums) {
     const size_t n = (size_t)elements, size = DOF * (n + 1);
     double length = 0;
     for (int e = 0; e < elements; e++) length += lengths[e];
@@ -108,7 +98,7 @@ int self_contact_of(const Scene *scene, int elements, const double *lengths, con
     state.others = calloc(n, sizeof *state.others);
     state.contacts = calloc(ROPE_CONTACT_MAX_STRANDS * places, sizeof *state.contacts);
     const System system = {.elements = elements, .lengths = lengths, .self_contact = &state};
-    const int count = find_self_contacts(&system, q, v, cq, cv);
+    const int count = find_self_contacts(&system, q, v, c_q, c_v);
     self_contact_take_force(&state, R);
     self_contact_times(&state, x, y);
     self_contact_sums(&system, q, v, sums);
@@ -221,7 +211,7 @@ def fit_mesh(scene: Scene) -> Mesh:
     )
 
 
-def _record(pattern: CPattern, lengths: Array) -> Partition:
+def _record(pattern: PatternStructure, lengths: Array) -> Partition:
     return Partition(
         lengths,
         tuple(pattern.counts),
@@ -243,14 +233,14 @@ def partition(
     elements = parts.partition_elements(of, length, places, text)
     if elements == 0:
         raise ValueError(text.value.decode())
-    pattern = CPattern()
+    pattern = PatternStructure()
     lengths = np.empty(elements)
     parts.partition(of, length, bottom_s, places, elements, pattern, lengths)
     return _record(pattern, lengths)
 
 
-def _pattern(cells: Partition) -> CPattern:
-    return CPattern(
+def _pattern(cells: Partition) -> PatternStructure:
+    return PatternStructure(
         cells.coarse, cells.grading_length, cells.counts, cells.end_levels, cells.windows
     )
 

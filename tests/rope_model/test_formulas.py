@@ -24,8 +24,13 @@ from rope_model.codegen.symbols import Word, symbols_of
 from rope_model.messages import fidelity_messages
 from rope_model.method.mesh_pattern import InnerCounts, Pattern
 from rope_model.parameters import Scene, Swivel
+from rope_model.physics.air import AirCoefficients
+from rope_model.physics.air_element import COEFFICIENTS_SIZE
 from rope_model.physics.elementary import Scalar, where
 from rope_model.shaft_parameters import Shaft
+from rope_model.signals.signal_groups import group_of
+from rope_model.signals.signal_table import SIGNALS
+from rope_model.signals.state_signals import STATE_SIGNALS
 from rope_model.solver_parameters import FidelityChoice
 from rope_model.state import RopeState
 
@@ -261,3 +266,17 @@ def test_a_choice_compared_with_a_word_it_does_not_have_is_refused() -> None:
 
     with pytest.raises(ValueError, match="swivel->mode is never 'fre': compare it with one of"):
         function_code(Formula(is_free))
+
+
+def test_every_output_that_is_stored_in_the_state_is_in_the_table_of_outputs() -> None:
+    assert set(STATE_SIGNALS) <= set(SIGNALS)
+
+
+def test_an_output_of_an_unknown_group_is_refused() -> None:
+    with pytest.raises(KeyError, match="sheave"):
+        group_of("sheave.force")
+
+
+def test_numbers_of_the_air_law_return_to_their_coefficients() -> None:
+    numbers = [*range(COEFFICIENTS_SIZE)]
+    assert AirCoefficients.from_numbers(numbers).numbers() == numbers

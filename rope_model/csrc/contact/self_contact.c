@@ -136,9 +136,9 @@ static void search_element(const System *sys, const double *q, const double *v, 
     }
 }
 
-int find_self_contacts(const System *sys, const double *q, const double *v, double cq, double cv) {
+int find_self_contacts(const System *sys, const double *q, const double *v, double c_q, double c_v) {
     SelfContactState *self_contact = sys->self_contact;
-    const double c[2] = {cq, cv};
+    const double c[2] = {c_q, c_v};
     self_contact->count = 0;
     self_contact->nearest[0] = self_contact->scene->rope.diameter;
     if (clearance_exceeds(sys, &self_contact->cache, q, self_contact->scene->rope.diameter)) return 0;

@@ -14,9 +14,6 @@
 #include "state.h"
 #include "state_structures.h"
 
-/* Compiles only if ROPE_WARNINGS of rope.h fits the warnings of Python. */
-enum { EACH_WARNING_HAS_A_NUMBER = 1 / ((int)ROPE_EXTRAPOLATION == (int)EXTRAPOLATION) };
-
 /* Return the yaw of the loop against the line between its ends. */
 static double yaw_of(State *state) {
     const NodalArrays nodal = state_arrays(state);

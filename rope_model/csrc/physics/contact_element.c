@@ -96,7 +96,7 @@ typedef struct {
 } ContactPoint;
 
 static ContactPoint contact_point_of(const System *sys, int element, int k, const double point[2], const double *q,
-                                     const double *v, double cq, double cv) {
+                                     const double *v, double c_q, double c_v) {
     const Obstacles *obstacles = sys->obstacles;
     ContactPoint found = {.weight = sys->lengths[element] * point[1]};
     double r[3], speed[3];
@@ -104,7 +104,7 @@ static ContactPoint contact_point_of(const System *sys, int element, int k, cons
     at_places(q, element, found.N, r);
     at_places(v, element, found.N, speed);
     found.terms = contact_law(&obstacles->scene->shaft.contact, obstacles->scene->rope.diameter,
-                              &obstacles->placed[k].body, obstacles->speeds[k], r, speed, cq, cv);
+                              &obstacles->placed[k].body, obstacles->speeds[k], r, speed, c_q, c_v);
     return found;
 }
 
