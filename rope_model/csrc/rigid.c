@@ -28,18 +28,20 @@ static void flow_velocities(int nodes, const double *q, Flow flow, double *v) {
     }
 }
 
-RopeStatus rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes, const double *s, double *q,
-                      double *v, double *a, double *reaction, double *kinetic, double *gravity, char *message) {
+RopeStatus rigid_rope(const Scene *scene, const EndMotion ends[2], double t, const NodalArrays *nodal,
+                      EnergyBalance *energy_balance, char *message) {
+    const int nodes = nodal->nodes;
+    double *q = nodal->q, *v = nodal->v, *a = nodal->a, *reaction = nodal->reaction;
     const RigidTensions tensions = inextensible_rigid_tensions(&scene->rope, &scene->layout, &ends[LEFT], &ends[RIGHT]);
     double points[2][3], energies[2];
     message[0] = '\0';
     if (inextensible_min_tension(&tensions) < 0)
         return say_rope_goes_slack(message, inextensible_min_tension(&tensions), t);
     inextensible_energies(&scene->rope, &scene->layout, &tensions, &ends[LEFT], &ends[RIGHT], energies);
-    *kinetic = energies[0];
-    *gravity = energies[1];
+    energy_balance->kinetic = energies[0];
+    energy_balance->gravity = energies[1];
     centreline_suspension_points(&scene->layout, &ends[LEFT], &ends[RIGHT], points);
-    if (!hanging_guess(nodes, s, points[LEFT], points[RIGHT], q, message)) return ROPE_FAILED;
+    if (!hanging_guess(nodes, nodal->s, points[LEFT], points[RIGHT], q, message)) return ROPE_FAILED;
     flow_velocities(nodes, q, inextensible_flow(ends[LEFT].vy, ends[RIGHT].vy), v);
     for (int i = 0; i < nodes * DOF; i++) a[i] = reaction[i] = 0.0;
     for (int side = LEFT; side <= RIGHT; side++) {

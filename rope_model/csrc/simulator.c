@@ -291,8 +291,7 @@ RopeStatus rope_displacement(Simulator *sim, const PointForces *forces, double (
     generalized_alpha_newton_coefficients(&method, state->last_interval, c);
     for (int k = 0; k < 2; k++) {
         sys.forces = k == 0 ? NULL : forces;
-        chain_of(sim, state)
-            ->newton_step(&sys, sim->work, nodal.q, nodal.v, nodal.a, nodal.reaction, c, k, answers[k], sim->trial.v);
+        chain_of(sim, state)->newton_step(&sys, sim->work, &nodal, c, k, answers[k], sim->trial.v);
     }
     PointForce point = {0};
     for (int index = 0; index < forces->count; index++) {

@@ -29,6 +29,7 @@ from rope_model.method.newton import SMOOTH, NewtonLimits
 from rope_model.method.partition import Partition
 from rope_model.parameters import Scene
 from rope_model.physics.contact_element import CONTACT_BALANCE
+from rope_model.physics.energy_balance import EnergyBalance
 from rope_model.physics.node import SIDES, arc_lengths
 from rope_model.physics.shaft import KINDS
 from rope_model.solver_parameters import Inputs, Mesh, MeshKind
@@ -47,6 +48,9 @@ class CLoopBottom(ct.Structure):
 class CLoopTurns(ct.Structure):
     _fields_ = (("number", ct.c_double), ("sharpest_y", ct.c_double))
 
+
+#: bytes of NodalArrays: nine pointers, two integers
+NODAL_ARRAYS_BYTES = 9 * ct.sizeof(ct.c_void_p) + 2 * ct.sizeof(ct.c_int)
 
 #: functions that have no name in a library, and arrays of a state
 MORE = """
@@ -168,7 +172,7 @@ def _parts() -> SimpleNamespace:
         "check_input_age": (n, p, x, p, n, p),
         "self_contact_of": (n, p, n, p, p, p, x, x, p, p, p, p),
         "carry_wires": (None, n, p, p, p, p),
-        "rigid_rope": (n, p, p, x, n, *[p] * 8),
+        "rigid_rope": (n, p, p, x, p, p, p),
         "arrays_of": (None, p, p, p, p, p, p, n, p),
     }
     for name, (result, *arguments) in signatures.items():
@@ -315,16 +319,15 @@ class RigidRope:
 def rigid_rope(scene: Scene, ends: tuple[EndMotion, EndMotion], t: float, s: Array) -> RigidRope:
     """Return the rigid rope with nodes at ``s`` (m); raises ValueError if it goes slack."""
     q, v, a, reaction = (np.zeros((s.size, 7)) for _ in range(4))
-    kinetic = ct.c_double()
-    gravity = ct.c_double()
+    balance = PARTS[EnergyBalance]()
     text = message()
     motions = (EndMotionStructure * 2)(*(EndMotionStructure(*astuple(end)) for end in ends))
-    _parts().rigid_rope(
-        scene_structure(scene), motions, t, s.size, s, q, v, a, reaction, kinetic, gravity, text
-    )
+    nodal = ct.create_string_buffer(NODAL_ARRAYS_BYTES)
+    _parts().arrays_of(q, v, a, reaction, np.diff(s), s, s.size, nodal)
+    _parts().rigid_rope(scene_structure(scene), motions, t, nodal, balance, text)
     if text.value:
         raise ValueError(text.value.decode())
-    return RigidRope(q, v, a, (reaction[0, 1], reaction[-1, 1]), kinetic.value, gravity.value)
+    return RigidRope(q, v, a, (reaction[0, 1], reaction[-1, 1]), balance.kinetic, balance.gravity)
 
 
 class CProgress(ct.Structure):
@@ -359,7 +362,7 @@ def newton_judge(before: CProgress, norm: float, tolerance: float, fresh: bool) 
 
 def nodal_arrays(q: Array, lengths: Array) -> Any:
     """Return the arrays of a rope at rest as the engine's functions take them; ``q`` and ``lengths`` must live on."""
-    arrays = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10)
+    arrays = ct.create_string_buffer(NODAL_ARRAYS_BYTES)
     s = arc_lengths(lengths)
     _parts().arrays_of(q, q, q, q, lengths, s, s.size, arrays)
     arrays.kept = (q, lengths, s)  # type: ignore[attr-defined]

@@ -44,9 +44,7 @@ static Progress dynamic_equilibrium(Simulator *sim, State *state, double time, d
     const double c[3] = {1, 0, pow(time, -2)};
     double balance[ENERGIES];
     copy_fields(now, &nodal);
-    const Progress newton =
-        chain_of(sim, state)
-            ->solve(&sys, sim->work, now->q, now->v, now->a, now->reaction, c, tolerance, NULL, balance);
+    const Progress newton = chain_of(sim, state)->solve(&sys, sim->work, now, c, tolerance, NULL, balance);
     if (newton.status != CONVERGED) return newton;
     update_hysteresis(sim->wires, state, now->q);
     update_angles(sim, state, now->q, nodal.v, nodal.a, nodal.b);

@@ -39,7 +39,7 @@ static const double *resolved_change(Simulator *sim, const Chain *chain, const S
     const size_t size = (size_t)now->nodes * DOF;
     for (size_t i = 0; i < size; i++) sim->x[i] = now->a[i] - before[i];
     if (sys->wires == NULL) return sim->x;
-    chain->resolve(sys, sim->work, now->q, now->v, now->a, sim->x, now->reaction, sim->x);
+    chain->resolve(sys, sim->work, now, sim->x, sim->x);
     for (size_t i = 0; i < size; i++) sim->x[i] *= c_a;
     return sim->x;
 }
@@ -82,7 +82,7 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
     const Chain *chain = chain_of(sim, state);
     const Solver *solver = &sim->scene.solver;
     result.newton =
-        chain->solve(sys, sim->work, now->q, now->v, now->a, now->reaction, c,
+        chain->solve(sys, sim->work, now, c,
                      newton_effective_tolerance(solver->newton_tolerance, solver->work_max, NEWTON_BOUNDED_STEP_ERROR),
                      old.q, result.balance);
     for (size_t i = 0; i < size; i++) finite &= isfinite(now->reaction[i]);
@@ -103,15 +103,16 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
 
 void generalized_alpha_restart(Simulator *sim, State *state, const System *sys) {
     const NodalArrays nodal = state_arrays(state);
+    NodalArrays present = nodal;
     const size_t size = (size_t)nodal.nodes * DOF;
     const double c[3] = {0, 0, 1};
     double unused[ENERGIES], *reaction = sim->trial.reaction;
+    present.reaction = reaction;
     memset(nodal.a, 0, sizeof(double) * size);
     rope_system_prescribed_motion(&sim->scene, state, sys, state->t, 3, (double *[]){nodal.q, nodal.v, nodal.a});
     for (int again = 0; again < 2; again++) { /* friction of the second pass uses the reactions of the first */
         memcpy(reaction, nodal.reaction, sizeof(double) * size);
-        chain_of(sim, state)
-            ->newton_step(sys, sim->work, nodal.q, nodal.v, nodal.a, reaction, c, again, sim->x, nodal.reaction);
+        chain_of(sim, state)->newton_step(sys, sim->work, &present, c, again, sim->x, nodal.reaction);
         for (size_t i = 0; i < size; i++) nodal.a[i] += sim->x[i];
     }
     memcpy(reaction, nodal.reaction, sizeof(double) * size);

@@ -67,6 +67,8 @@ RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char 
     const double rounding = 10 * DBL_EPSILON * sim->scene.rope.Qa * nodal.s[nodal.elements] / sys.shortest;
     memset(zeros, 0, bytes);
     memset(nodal.reaction, 0, bytes);
+    NodalArrays rest = nodal;
+    rest.v = rest.a = zeros;
     const double slope[3] = {nodal.q[SLOPE], nodal.q[SLOPE + 1], nodal.q[SLOPE + 2]};
     rope_system_prescribed_motion(&sim->scene, state, &sys, state->t, 1, &(double *){nodal.q});
     carry_director(state, slope, nodal.q + SLOPE);
@@ -75,7 +77,7 @@ RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char 
         sim->corrections++;
         const int64_t solutions = sim->self_contact->solutions;
         const double c[3] = {1, 0, pow(tau, -2)};
-        chain->newton_step(&sys, sim->work, nodal.q, zeros, zeros, nodal.reaction, c, 0, x, now);
+        chain->newton_step(&sys, sim->work, &rest, c, 0, x, now);
         previous = imbalance(&sys, now);
         sim->solutions += sim->self_contact->solutions - solutions;
         if (sim->solutions > MAX_SOLUTIONS) return say_winds_about_itself(message, previous, MAX_SOLUTIONS);

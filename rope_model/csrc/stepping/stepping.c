@@ -100,9 +100,7 @@ RopeStatus as_rigid(Simulator *sim, State *state, double t, char *message) {
     transform_if_due(sim, state);
     const NodalArrays nodal = state_arrays(state);
     const EndMotion ends[2] = {end_path_at(&state->paths[LEFT], t), end_path_at(&state->paths[RIGHT], t)};
-    const RopeStatus status =
-        rigid_rope(&sim->scene, ends, t, nodal.nodes, nodal.s, nodal.q, nodal.v, nodal.a, nodal.reaction,
-                   &state->energy_balance.kinetic, &state->energy_balance.gravity, message);
+    const RopeStatus status = rigid_rope(&sim->scene, ends, t, &nodal, &state->energy_balance, message);
     memcpy(nodal.b, nodal.a, sizeof(double) * (size_t)nodal.nodes * DOF);
     memset(nodal.a_rate, 0, sizeof(double) * (size_t)nodal.nodes * DOF);
     state->h = 0;
