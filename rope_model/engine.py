@@ -5,7 +5,7 @@ import hashlib
 import os
 import struct
 from collections.abc import Callable, Iterable, Sequence
-from ctypes import POINTER, Structure, byref, c_bool, c_char_p, c_double, c_int, c_size_t, c_void_p
+from ctypes import POINTER, Structure, byref, c_char_p, c_double, c_int, c_size_t, c_void_p
 from functools import cache, lru_cache
 from itertools import cycle
 from typing import Any, NamedTuple, cast, get_args, get_origin, get_type_hints
@@ -17,6 +17,12 @@ from rope_model.boundary.end_paths import EndMotion
 from rope_model.boundary.point_forces import NO_FORCES, PointForces
 from rope_model.codegen import state_structures as layout
 from rope_model.codegen.build import failed, library
+from rope_model.codegen.interface_structures import (
+    FORCE_ROW,
+    LinearFactsStructure,
+    MemoryStructure,
+    PointForcesStructure,
+)
 from rope_model.codegen.structures import scene_structure
 from rope_model.fidelity.choice import Fidelity
 from rope_model.interface import BalanceRope, Snapshot, Status
@@ -50,27 +56,6 @@ def _event(event: layout.EventStructure) -> Event:
         f"model {fidelity}",
     )
     return Event(event.t, words[event.what], event.kinetic, event.potential)
-
-
-class _Allocator(Structure):
-    _fields_ = (("allocate", c_void_p), ("deallocate", c_void_p))
-
-
-class _PointForces(Structure):
-    _fields_ = (("count", c_int), ("start", c_double), ("stop", c_double), ("places", c_void_p))
-
-
-class LinearFactsStructure(Structure):
-    """LinearFacts of rope.h."""
-
-    _fields_ = (
-        ("free", (c_bool * NODE_DOF) * 2),
-        ("near_bodies", c_bool),
-        ("curved", c_bool),
-        ("rubs", c_bool),
-        ("frame_size", c_int),
-        ("lowest_s", c_double),
-    )
 
 
 class LinearFacts(NamedTuple):
@@ -156,7 +141,8 @@ class NativeRope(BalanceRope):
     def __init__(self, scene: Scene) -> None:
         self._lib = self._library()
         libc = ctypes.CDLL(None if os.name == "posix" else "msvcrt")
-        memory = _Allocator(*(ctypes.cast(f, c_void_p).value for f in (libc.calloc, libc.free)))
+        functions = zip(MemoryStructure._fields_, (libc.calloc, libc.free), strict=True)
+        memory = MemoryStructure(*(ctypes.cast(function, of) for (_, of), function in functions))
         self._text = ctypes.create_string_buffer(layout.MESSAGE)  # receives messages of the library
         self._rope = self._lib.rope_create(byref(scene_structure(scene)), byref(memory), self._text)
         if not self._rope:
@@ -387,7 +373,8 @@ class NativeRope(BalanceRope):
 def _forces(forces: PointForces) -> tuple[Structure, Any]:
     """Return the forces in the form of rope.h, and the array to which that structure points."""
     rows = np.column_stack((forces.s, forces.at_start, forces.at_stop)).astype(float, copy=False)
-    return _PointForces(forces.s.size, forces.start, forces.stop, rows.ctypes.data), rows
+    places = rows.ctypes.data_as(POINTER(c_double * FORCE_ROW))
+    return PointForcesStructure(forces.s.size, forces.start, forces.stop, places), rows
 
 
 def _rebuild(

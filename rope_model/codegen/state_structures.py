@@ -6,7 +6,7 @@ named tuple.
 
 import ctypes
 from collections.abc import Iterator
-from ctypes import Structure, c_char, c_double, c_int, c_int64
+from ctypes import Structure, c_bool, c_char, c_double, c_int, c_int64, c_size_t, c_void_p
 from inspect import cleandoc
 from itertools import pairwise, product
 from math import prod
@@ -26,7 +26,15 @@ LOGGED_EVENTS = 128  #: largest number of events of an advance in the state
 HAPPENINGS = ("transformed", "sticks", "slips_forward", "slips_back", "raised")
 #: arrays of the nodes, 7 numbers each; behind them are element lengths and arc lengths of the nodes
 ARRAYS = ("q", "v", "a", "b", "a_rate", "reaction")
-_NUMBERS: dict[Any, str] = {c_double: "double", c_int: "int", c_int64: "int64_t", c_char: "char"}
+_NUMBERS: dict[Any, str] = {
+    c_double: "double",
+    c_int: "int",
+    c_int64: "int64_t",
+    c_char: "char",
+    c_bool: "bool",
+}
+#: types of functions' arguments and results
+_TYPES: dict[Any, str] = {c_size_t: "size_t", c_void_p: "void *", None: "void "}
 
 
 class SwivelStateStructure(Structure):
@@ -156,6 +164,11 @@ def structure_code(kind: type[Structure]) -> str:
 
 
 def _member(field: str, of: Any) -> str:
+    if hasattr(of, "_argtypes_"):
+        taken = ", ".join(_TYPES[argument] for argument in of._argtypes_)
+        return f"{_TYPES[of._restype_]}(*{field})({taken})"
+    if isinstance(of, type(ctypes.POINTER(c_int))):
+        return f"const {_member(f'(*{field})', of._type_)}"
     lengths, entry = _entries(of)
     array = "".join(f"[{length}]" for length in lengths)
     return f"{_NUMBERS.get(entry) or _name_of(entry)} {field}{array}"

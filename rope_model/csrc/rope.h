@@ -10,16 +10,12 @@
 
 /* generated: MESSAGE, ROPE_WARNINGS, codes of choices, EndMotion, and Scene with its groups of parameters */
 #include "parameters.h"
+/* generated: Memory, PointForces, LinearFacts */
+#include "interface_structures.h"
 
 enum { LEFT, RIGHT };
 enum { SLOPE = 3, ANGLE = 6, DOF = 7 }; /* degrees of freedom of a node: r (3), r' (3), theta */
 enum { ROPE_ROW = 1 + 2 * ANGLE };      /* numbers of a row of rope_rows */
-
-/* The host's allocator, with the behaviour of calloc and free. */
-typedef struct {
-    void *(*allocate)(size_t count, size_t size);
-    void (*deallocate)(void *);
-} Memory;
 
 typedef struct Simulator Simulator;
 
@@ -46,12 +42,6 @@ RopeStatus rope_advance_to_event(Simulator *sim, double t, const EndMotion ends[
 /* Replace the parameters of solver, swivels and air by those of `scene`.  Only tunable ones may differ. */
 RopeStatus rope_retune(Simulator *sim, const Scene *scene);
 
-/* Point forces on the rope. */
-typedef struct {
-    int count;
-    double start, stop;        /* times, s, between which the forces are linear; they are constant before and after */
-    const double (*places)[7]; /* arc length from the left end, m, ascending; force at start (3) and at stop (3), N */
-} PointForces;
 /* Apply point forces until the next call.  The rope keeps the pointer to `places`; a saved state has no forces. */
 void rope_apply(Simulator *sim, const PointForces *forces);
 /* Arc length, r, r', and the rates of r and r' of each node. */
@@ -84,15 +74,6 @@ RopeStatus rope_load_derivative(Simulator *sim, int input, int at_step_end, doub
    2 for each input and each added mass. */
 size_t rope_repeated_steps(const Simulator *sim);
 
-/* What linear models and natural modes need of the present state, in the complete (torsional) model. */
-typedef struct {
-    bool free[2][DOF]; /* true for coordinates of an end that are not prescribed */
-    bool near_bodies;  /* true if an element may touch a body */
-    bool curved;       /* true if permanent curvature acts */
-    bool rubs;         /* true if wires rub */
-    int frame_size;    /* numbers of an element in rope_frames */
-    double lowest_s;   /* arc length of the loop's lowest point, m */
-} LinearFacts;
 void rope_linear_facts(Simulator *sim, LinearFacts *facts);
 /* Write frame_size numbers of each element, which its functions take: the frame's reference, then the permanent
    curvature and the history of its wires, where these act.  The state must be torsional. */
