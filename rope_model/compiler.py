@@ -9,7 +9,6 @@ import hashlib
 import importlib.util
 import logging
 import os
-import platform
 import re
 import shlex
 import shutil
@@ -268,8 +267,3 @@ def compiler_version(compiler: tuple[str, ...]) -> str:
         [*compiler, "--version"], capture_output=True, text=True, check=False
     ).stdout
     return output.partition("\n")[0]
-
-
-def platform_tag() -> str:
-    """Return operating system and processor, as in ``linux-x86_64``."""
-    return f"{sys.platform}-{platform.machine().lower()}"

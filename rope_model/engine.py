@@ -5,7 +5,7 @@ import hashlib
 import os
 import struct
 from collections.abc import Callable, Iterable, Sequence
-from ctypes import POINTER, Structure, byref, c_bool, c_char_p, c_double, c_int, c_size_t, c_void_p
+from ctypes import POINTER, Structure, byref, c_char_p, c_double, c_int, c_size_t, c_void_p
 from functools import cache, lru_cache
 from itertools import cycle
 from typing import Any, NamedTuple, cast, get_args, get_origin, get_type_hints
@@ -17,6 +17,12 @@ from rope_model.boundary.end_paths import EndMotion
 from rope_model.boundary.point_forces import NO_FORCES, PointForces
 from rope_model.codegen import state_structures as layout
 from rope_model.codegen.build import failed, library
+from rope_model.codegen.interface_structures import (
+    FORCE_ROW,
+    LinearFactsStructure,
+    MemoryStructure,
+    PointForcesStructure,
+)
 from rope_model.codegen.structures import scene_structure
 from rope_model.fidelity.choice import Fidelity
 from rope_model.interface import BalanceRope, Snapshot, Status
@@ -25,15 +31,16 @@ from rope_model.method.generalized_alpha import Motion
 from rope_model.method.partition import Partition
 from rope_model.method.swivel_phases import Phase
 from rope_model.parameters import Scene
-from rope_model.physics.element import NODE_DOF
 from rope_model.physics.energy_balance import Powers
-from rope_model.physics.node import SIDES
+from rope_model.physics.node import ANGLE, NODE_DOF, SIDES
 from rope_model.saved_state import require_form, require_same_rope, state_behind_label
 from rope_model.signals.signal_table import SIGNALS, checked_names
 from rope_model.solver_parameters import FidelityChoice
 from rope_model.state import NO_HYSTERESIS, Event, RopeState
 from rope_model.warnings.result_warnings import WARNINGS
 
+#: numbers of a row: arc length, r, r' and their rates
+ROW_SIZE = 1 + 2 * ANGLE
 _MOTIONS = struct.Struct(f"{2 * len(EndMotion.__dataclass_fields__)}d")
 _SWITCHES = ("sticks", "slips +", "slips -")
 _FIDELITY_NAMES = get_args(FidelityChoice)
@@ -49,27 +56,6 @@ def _event(event: layout.EventStructure) -> Event:
         f"model {fidelity}",
     )
     return Event(event.t, words[event.what], event.kinetic, event.potential)
-
-
-class _Allocator(Structure):
-    _fields_ = (("allocate", c_void_p), ("deallocate", c_void_p))
-
-
-class _PointForces(Structure):
-    _fields_ = (("count", c_int), ("start", c_double), ("stop", c_double), ("places", c_void_p))
-
-
-class LinearFactsStructure(Structure):
-    """LinearFacts of rope.h."""
-
-    _fields_ = (
-        ("free", (c_bool * NODE_DOF) * 2),
-        ("near_bodies", c_bool),
-        ("curved", c_bool),
-        ("rubs", c_bool),
-        ("frame_size", c_int),
-        ("lowest_s", c_double),
-    )
 
 
 class LinearFacts(NamedTuple):
@@ -155,7 +141,8 @@ class NativeRope(BalanceRope):
     def __init__(self, scene: Scene) -> None:
         self._lib = self._library()
         libc = ctypes.CDLL(None if os.name == "posix" else "msvcrt")
-        memory = _Allocator(*(ctypes.cast(f, c_void_p).value for f in (libc.calloc, libc.free)))
+        functions = zip(MemoryStructure._fields_, (libc.calloc, libc.free), strict=True)
+        memory = MemoryStructure(*(ctypes.cast(function, of) for (_, of), function in functions))
         self._text = ctypes.create_string_buffer(layout.MESSAGE)  # receives messages of the library
         self._rope = self._lib.rope_create(byref(scene_structure(scene)), byref(memory), self._text)
         if not self._rope:
@@ -257,7 +244,7 @@ class NativeRope(BalanceRope):
 
     def rows(self) -> NDArray[np.float64]:
         self._require_state()
-        rows = np.empty((self.elements + 1, 13))
+        rows = np.empty((self.elements + 1, ROW_SIZE))
         self._lib.rope_rows(self._rope, rows.ctypes.data)
         return rows
 
@@ -379,7 +366,6 @@ class NativeRope(BalanceRope):
         """Return the status after a call of the library that returned ``succeeded``."""
         if succeeded:
             self._state = None
-        if succeeded:
             return _VALID
         return Status(False, self._lib.rope_message(self._rope).decode())
 
@@ -387,7 +373,8 @@ class NativeRope(BalanceRope):
 def _forces(forces: PointForces) -> tuple[Structure, Any]:
     """Return the forces in the form of rope.h, and the array to which that structure points."""
     rows = np.column_stack((forces.s, forces.at_start, forces.at_stop)).astype(float, copy=False)
-    return _PointForces(forces.s.size, forces.start, forces.stop, rows.ctypes.data), rows
+    places = rows.ctypes.data_as(POINTER(c_double * FORCE_ROW))
+    return PointForcesStructure(forces.s.size, forces.start, forces.stop, places), rows
 
 
 def _rebuild(
@@ -440,16 +427,18 @@ def _unpack(data: bytes) -> RopeState:
     s = layout.StateStructure.from_buffer_copy(data)
     n = s.elements
     values = np.frombuffer(data, dtype=np.float64, offset=ctypes.sizeof(layout.StateStructure))
-    size = 7 * (n + 1)
+    size = NODE_DOF * (n + 1)
     x = {
-        name: values[i * size : (i + 1) * size].reshape(n + 1, 7).copy()
+        name: values[i * size : (i + 1) * size].reshape(n + 1, NODE_DOF).copy()
         for i, name in enumerate(layout.ARRAYS)
     }
+    lengths_at = len(layout.ARRAYS) * size
+    hysteresis_at = lengths_at + n + (n + 1)
     return RopeState(
         **{name: read(getattr(s, name)) for name, read in _READERS.items()},
         motion=Motion(s.t, x["q"], x["v"], x["a"], x["b"], x["a_rate"], s.h, x["reaction"]),
         partition=Partition(
-            values[6 * size : 6 * size + n].copy(),
+            values[lengths_at : lengths_at + n].copy(),
             tuple(s.pattern.counts),
             s.pattern.coarse,
             s.pattern.end_levels,
@@ -460,9 +449,7 @@ def _unpack(data: bytes) -> RopeState:
         fidelity_reason=s.fidelity_reason.decode(),
         events=tuple(_event(event) for event in s.events[: s.event_count]),
         powers=Powers(s.power_ends, s.power_swivel),
-        hysteresis=values[6 * size + 2 * n + 1 :][: n * NO_HYSTERESIS.shape[1]]
-        .reshape(n, -1)
-        .copy()
+        hysteresis=values[hysteresis_at:][: n * NO_HYSTERESIS.shape[1]].reshape(n, -1).copy()
         if s.rubs
         else NO_HYSTERESIS,
     )

@@ -15,7 +15,7 @@ T = TypeVar("T")
 #: rad, a full turn as messages round it
 _TURN = 6.2832
 #: least value of parameters above 0, because tools know no open intervals
-TINY = 1e-15
+LEAST_POSITIVE = 1e-15
 
 
 class Parameter(NamedTuple):
@@ -153,10 +153,13 @@ def require_number(name: str, value: object, *, whole: bool = False) -> None:
         require(value == math.floor(value), name, value, "a whole number", "leave out the fraction")
 
 
+_NO_CHECKS: tuple[CrossCheck, ...] = ()
+
+
 class ParameterGroup:
     """Data that are checked when they are made."""
 
-    cross_checks = tuple[CrossCheck, ...]()
+    cross_checks = _NO_CHECKS
 
     def __post_init__(self) -> None:
         self.require_in_bounds()

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_type_hints
 
 from rope_model.parameter_table import (
-    TINY,
+    LEAST_POSITIVE,
     Bounds,
     CrossCheck,
     ParameterGroup,
@@ -27,7 +27,7 @@ SwivelMode = Literal["locked", "free", "coulomb"]
 SwivelStart = Literal["locked", "relaxed"]
 Attachment = Literal["plumb", "clamped", "hinged"]
 
-_POSITIVE = at_least(TINY, "check the rope's data sheet")
+_POSITIVE = at_least(LEAST_POSITIVE, "check the rope's data sheet")
 _TIMES_BETA_K = Bounds(0.0, 1e6, "use 1 for beta_K")
 
 
@@ -49,7 +49,7 @@ class Rope(ParameterGroup):
         120.0,
         "m",
         "length between the two swivels",
-        Bounds(TINY, 1e4, "give it in metres, as the rope's data sheet does"),
+        Bounds(LEAST_POSITIVE, 1e4, "give it in metres, as the rope's data sheet does"),
     )
     mass_per_length: float = parameter(8.0, "kg/m", "mass per length [assumed]", _POSITIVE)
     Qa: float = parameter(1.2e8, "N", "axial stiffness, T = Qa e + Qb tau [assumed]", _POSITIVE)
@@ -76,7 +76,9 @@ class Rope(ParameterGroup):
         1.0,
         "N.m",
         "moment of the friction between wires of the slack rope [assumed]",
-        at_least(TINY, "use a small one where only the tension presses the wires together"),
+        at_least(
+            LEAST_POSITIVE, "use a small one where only the tension presses the wires together"
+        ),
     )
     slip_factor: float = parameter(
         0.02,
@@ -105,7 +107,7 @@ class Rope(ParameterGroup):
         1.0, "1", "damping of bending as a multiple of beta_K [assumed]", _TIMES_BETA_K
     )
     diameter: float = parameter(
-        0.044, "m", "rope diameter [assumed]", Bounds(TINY, 1.0, "give it in metres")
+        0.044, "m", "rope diameter [assumed]", Bounds(LEAST_POSITIVE, 1.0, "give it in metres")
     )
     installed_twist: float = parameter(
         0.0,
@@ -185,10 +187,10 @@ class Layout(ParameterGroup):
         2.0,
         "m",
         "horizontal distance of the two suspension points [assumed]",
-        at_least(TINY, "give the distance between the conveyances"),
+        at_least(LEAST_POSITIVE, "give the distance between the conveyances"),
     )
     gravity: float = parameter(
-        9.81, "m/s2", "acceleration of free fall", at_least(TINY, "use 9.81")
+        9.81, "m/s2", "acceleration of free fall", at_least(LEAST_POSITIVE, "use 9.81")
     )
 
 
@@ -222,7 +224,7 @@ class Swivel(ParameterGroup):
         0.090,
         "m",
         "mean diameter of the {side} swivel's bearing [assumed]",
-        at_least(TINY, "take the bearing's d_m"),
+        at_least(LEAST_POSITIVE, "take the bearing's d_m"),
     )
     mu_static: float = parameter(
         0.0018,  # a healthy rolling bearing
@@ -250,7 +252,8 @@ class Swivel(ParameterGroup):
         "kg.m2",
         "inertia that turns with the rope's {side} end [assumed]",
         at_least(
-            TINY, "give the rotor's, 0.05 as a rule: without inertia a release is a jump in spin"
+            LEAST_POSITIVE,
+            "give the rotor's, 0.05 as a rule: without inertia a release is a jump in spin",
         ),
     )
     release_time: float = parameter(

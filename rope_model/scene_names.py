@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple
 from rope_model.parameter_table import Parameter, numeric_bounds, parameters_of
 from rope_model.parameters import CHOICES, GROUPS, Scene
 from rope_model.shaft_parameters import PARTS
-from rope_model.solver_parameters import SEGMENTS, Mesh
+from rope_model.solver_parameters import INNER_SEGMENTS, Mesh
 
 Value = float | int | bool | str
 
@@ -63,7 +63,7 @@ class _Field(NamedTuple):
 @cache
 def _fields() -> tuple[_Field, ...]:
     """Return the fields of all groups but the mesh's counts, in the order of the interface."""
-    found = list[_Field]()
+    found: list[_Field] = []
     for group, data in GROUPS.items():
         for field, p in parameters_of(data).items():
             name = f"{group}.{field}"
@@ -80,8 +80,8 @@ def _fields() -> tuple[_Field, ...]:
 def _counts() -> tuple[tuple[str, Parameter, int], ...]:
     """Return name, facts and least value of the number of elements of each segment of the mesh."""
     p = parameters_of(Mesh)["counts"]
-    found = list[tuple[str, Parameter, int]]()
-    for i, (segment, min_count) in enumerate(SEGMENTS.items(), 1):
+    found: list[tuple[str, Parameter, int]] = []
+    for i, (segment, min_count) in enumerate(INNER_SEGMENTS.items(), 1):
         facts = p._replace(description=p.description.format(segment=segment))
         found.append((f"mesh.counts[{i}]", facts, min_count))
     return tuple(found)
@@ -106,7 +106,7 @@ def named_parameters(scene: Scene) -> Iterator[NamedParameter]:
 
 def with_values(scene: Scene, values: Mapping[str, Value]) -> Scene:
     """Return the scene with other parameters by name; ValueError for unknown ones and values out of range."""
-    chosen = dict[str, dict[str, Any]]()
+    chosen: dict[str, dict[str, Any]] = {}
     counts = [*scene.mesh.counts]
     known = _kinds()
     value: Any

@@ -15,7 +15,7 @@ FAR = 1e6
 REACH = 1e4
 
 _NONE = "use 0 for none, or give it in metres"
-_ROUNDING = "0 is sharp-edged, 1 as round as it can be"
+_EDGE_CURE = "0 is sharp-edged, 1 as round as it can be"
 
 
 def _size(default: float, description: str) -> float:
@@ -27,7 +27,7 @@ def _position(description: str) -> float:
 
 
 def _rounding(default: float, description: str) -> float:
-    return parameter(default, "1", description, Bounds(0.0, 1.0, _ROUNDING))
+    return parameter(default, "1", description, Bounds(0.0, 1.0, _EDGE_CURE))
 
 
 @dataclass(frozen=True)

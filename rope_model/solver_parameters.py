@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any, Literal
 
 from rope_model.parameter_table import (
-    TINY,
+    LEAST_POSITIVE,
     Bounds,
     CrossCheck,
     ParameterGroup,
@@ -26,7 +26,7 @@ Trusted = Literal["all", "position_speed", "position", "speed"]
 #: more elements would be a mistake in the unit of their length
 MAX_ELEMENTS = 20000
 #: segments with given element counts, and their least counts
-SEGMENTS = {"II": 0, "III": 0, "IV": 2, "V": 0, "VI": 0}
+INNER_SEGMENTS = {"II": 0, "III": 0, "IV": 2, "V": 0, "VI": 0}
 
 
 def _multiple(segment: int, mesh: Mesh) -> tuple[Any, ...]:
@@ -70,7 +70,7 @@ class Mesh(ParameterGroup):
         2.0,
         "m",
         "element length of segments I and VII, kind 0; in the loop 1/8 of it, without III and V 1/4",
-        at_least(TINY, "2 m suits a 120 m rope"),
+        at_least(LEAST_POSITIVE, "2 m suits a 120 m rope"),
     )
     counts: tuple[int, int, int, int, int] = parameter(
         (2, 4, 40, 4, 2), "", "number of elements of segment {segment}, kind 0"
@@ -102,7 +102,7 @@ class Mesh(ParameterGroup):
                 "a transformation moves whole coarse elements through the segment",
                 partial(_multiple, segment),
             )
-            for segment, name in enumerate(SEGMENTS)
+            for segment, name in enumerate(INNER_SEGMENTS)
         ),
         CrossCheck(
             "counts",
@@ -120,13 +120,13 @@ class Mesh(ParameterGroup):
 
     def __post_init__(self) -> None:
         require(
-            isinstance(self.counts, Sequence) and len(self.counts) == len(SEGMENTS),
+            isinstance(self.counts, Sequence) and len(self.counts) == len(INNER_SEGMENTS),
             "counts",
             self.counts,
             "five numbers",
             "give those of segments II to VI",
         )
-        for segment, count in zip(SEGMENTS, self.counts, strict=True):
+        for segment, count in zip(INNER_SEGMENTS, self.counts, strict=True):
             require_number(f"element count of segment {segment}", count, whole=True)
         self.require_in_bounds()
 
@@ -158,27 +158,31 @@ class Solver(ParameterGroup):
     """
 
     step_max: float = parameter(
-        0.02, "s", "largest time step", Bounds(TINY, 1.0, "10 ms suits most ropes"), tunable=True
+        0.02,
+        "s",
+        "largest time step",
+        Bounds(LEAST_POSITIVE, 1.0, "10 ms suits most ropes"),
+        tunable=True,
     )
     step_min: float = parameter(
         1.0e-5,
         "s",
         "smallest time step; below it a step fails",
-        Bounds(TINY, "step_max", "use 1e-5 s"),
+        Bounds(LEAST_POSITIVE, "step_max", "use 1e-5 s"),
         tunable=True,
     )
     tolerance: float = parameter(
         1.0,
         "1",
         "largest local error of a step over that allowed; 1e6: no step is shortened for it",
-        Bounds(TINY, 1e6, "use 1"),
+        Bounds(LEAST_POSITIVE, 1e6, "use 1"),
         tunable=True,
     )
     newton_tolerance: float = parameter(
         3e-6,
         "1",
         "error that Newton's method may leave, in m and rad, on a rope of any size",
-        Bounds(TINY, 1e-3, "use 3e-6"),
+        Bounds(LEAST_POSITIVE, 1e-3, "use 3e-6"),
         tunable=True,
     )
     rho_inf: float = parameter(
@@ -253,19 +257,19 @@ class Inputs(ParameterGroup):
         0.5,
         "m",
         "largest misfit of a position (m, rad) and of a speed (m/s, rad/s); of estimated inputs, largest jump",
-        Bounds(TINY, 1e4, "0.5 admits motions that a rope can follow"),
+        Bounds(LEAST_POSITIVE, 1e4, "0.5 admits motions that a rope can follow"),
     )
     acceleration_max: float = parameter(
         100.0,
         "m/s2",
         "largest acceleration of an end, m/s2 or rad/s2; absolute, as mine hoists brake with 5 m/s2 at most",
-        Bounds(TINY, 1e6, "100 is beyond any hoist"),
+        Bounds(LEAST_POSITIVE, 1e6, "100 is beyond any hoist"),
     )
     hold_max: float = parameter(
         1.0,
         "s",
         "how long the sample of a moving end may be repeated",
-        Bounds(TINY, 1e4, "1 s is beyond any slower part's step"),
+        Bounds(LEAST_POSITIVE, 1e4, "1 s is beyond any slower part's step"),
     )
 
 

@@ -8,9 +8,7 @@ import numpy as np
 
 from rope_model.arrays import Array
 from rope_model.boundary.end_paths import EndPath
-from rope_model.boundary.input_filter import (
-    InputFilter,
-)
+from rope_model.boundary.input_filter import InputFilter
 from rope_model.fidelity.choice import Fidelity
 from rope_model.method.audit import Audit
 from rope_model.method.generalized_alpha import Motion
@@ -105,7 +103,7 @@ class RopeState(NamedTuple):
     snap_twist: float = 0.0
     given_up_since: float = 0.0  # s, instant of the first of counts.given_up
     audit: Audit = Audit()
-    nearest: tuple[Nearest, ...] = (Nearest(),) * len(KINDS)
+    nearest: tuple[Nearest, ...] = NOT_NEAR
     crossing: Crossing = Crossing()
     monitored_at: float = 0.0  # s, instant of nearest, crossing and guard
     guard: GuardState = GuardState()

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from evidence.statics import clamped, matrix, rod
 from evidence.tables import Array, Table, table
-from rope_model.analysis.modes import ROUNDING, softest
+from rope_model.analysis.modes import ZERO_STIFFNESS, softest
 from rope_model.parameters import Rope
 from rope_model.physics.node import ANGLE, arc_lengths
 from rope_model.reference.equations import Equations
@@ -47,7 +47,7 @@ def is_stable(equations: Equations, q: Array, torque: float) -> bool:
     q = q.copy()
     q[:, ANGLE] = torque / TWIST_STIFFNESS * arc_lengths(equations.lengths)
     stiffness = matrix(equations, q, (1.0, 0.0, 0.0))
-    return softest(stiffness, ~equations.held) > -ROUNDING
+    return softest(stiffness, ~equations.held) > -ZERO_STIFFNESS
 
 
 def theory(slenderness: float) -> float:

@@ -51,8 +51,11 @@ from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.parameters import Coupling, Hoist
 from hoist_demo.recording.time_series import TIME
 from rope_model import SIDES, EndMotion, Status
+from rope_model.codegen.build import sources as rope_sources
 from rope_model.compiler import cache_folder, compile_library, find_compiler
 
+#: Headers of the rope that trip.c includes, with those that they include.
+_ROPE_HEADERS = ("rope.h", "parameters.h", "interface_structures.h")
 #: Ends of a call: well, before a sample that the host must process, or the part that has failed.
 _STOPS = ("WELL", "LOOK", "DRIVE", *CALLS)
 _MOTIONS = tuple(field.name for field in fields(EndMotion))
@@ -404,6 +407,7 @@ def _library(structure: Hoist, kernels: integrator.DriveKernels) -> CDLL:
     law = law_kernel(structure)
     sources = {
         "trip.c": files(__package__).joinpath("trip.c").read_text(encoding="utf-8"),
+        **{name: rope_sources()[name] for name in _ROPE_HEADERS},
         "numbers.h": _numbers_header(law, kernels),
         "structures.h": "\n".join(map(definition, (Access, TripSample, Trip))),
         "law.c": generate_c((law,), "law"),
@@ -425,12 +429,10 @@ def _numbers_header(law: Any, kernels: integrator.DriveKernels) -> str:
         **{f"SZ_{name.upper()}": _memory_size(name, law, kernels.advance) for name in _MEMORY},
     }
     defines = "".join(f"#define {name} {value!r}\n" for name, value in numbers.items())
-    members = " ".join(f"double {name};" for name in _MOTIONS)  # as in rope.h
     places = ", ".join(map(str, _ENDS))
     return (
         f"{defines}"
         f"typedef enum {{ {', '.join(_STOPS)} }} Stop;\n"
-        f"typedef struct {{ {members} }} EndMotion;\n"
         f"static const int ENDS_OUTPUTS[] = {{{places}}};\n"
     )
 

@@ -26,8 +26,8 @@ from hoist_demo.parameters.suspension import SuspensionOffset
 from rope_model import EndMotion, Level, Scene
 from rope_model.analysis.linear import LinearRope, linear_rope
 from rope_model.engine import NativeRope
-from rope_model.physics.element import NODE_DOF
 from rope_model.physics.elementary import sum_of
+from rope_model.physics.node import NODE_DOF
 
 Swivels = Literal["as given", "locked", "free", "sticking"]
 _MODES = {"locked": 0, "free": 1, "sticking": 2}  #: codes of swivel.mode

@@ -8,7 +8,8 @@ from rope_model.arrays import Array
 from rope_model.engine import NativeRope
 from rope_model.physics.air import air_acts, air_coefficients
 from rope_model.physics.air_element import COEFFICIENTS_SIZE
-from rope_model.physics.element import NODE_DOF, parameters
+from rope_model.physics.element import parameters
+from rope_model.physics.node import NODE_DOF
 from rope_model.physics.rope_element import AIR, CURVED, WIRES, Features
 from rope_model.physics.wire_element import TANGENT_SIZE
 
@@ -37,7 +38,7 @@ def element_data(rope: NativeRope) -> ElementData:
     scene = rope.scene
     facts = rope.linear_facts()
     frames = rope.frames()
-    features = list[int]()
+    features: list[int] = []
     if facts.curved:
         features.append(CURVED)
     if facts.rubs:

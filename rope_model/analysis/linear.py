@@ -32,10 +32,10 @@ from rope_model.arrays import Array
 from rope_model.engine import LinearFacts, NativeRope
 from rope_model.fidelity.fidelity_rules import not_plumb
 from rope_model.method.swivel_phases import Phase, frictionless
-from rope_model.physics.element import NODE_DOF, PARAMETERS
+from rope_model.physics.element import PARAMETERS
 from rope_model.physics.frame import conveyance_load
 from rope_model.physics.hermite import GAUSS, bend, node_values
-from rope_model.physics.node import ANGLE, SIDES, arc_lengths
+from rope_model.physics.node import ANGLE, NODE_DOF, SIDES, arc_lengths
 from rope_model.physics.rope_element import Features, rope_element
 
 #: outputs of an end

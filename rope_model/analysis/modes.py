@@ -14,11 +14,10 @@ from scipy.sparse.linalg import eigsh
 from rope_model.analysis.chain_matrices import of_blocks
 from rope_model.arrays import Array
 from rope_model.engine import NativeRope
-from rope_model.physics.element import NODE_DOF
-from rope_model.physics.node import POSITION
+from rope_model.physics.node import NODE_DOF, POSITION
 
 #: N/m, rounding by Qa / l of a zero stiffness, as of a swivel that turns freely
-ROUNDING = 1e-5
+ZERO_STIFFNESS = 1e-5
 _Z = 2  #: of a position
 
 
@@ -55,7 +54,7 @@ def modes_of(
     Raises ValueError if the equilibrium is unstable and has no such frequency.
     """
     lowest = softest(stiffness, free)
-    if lowest < -ROUNDING:
+    if lowest < -ZERO_STIFFNESS:
         raise ValueError(
             f"the equilibrium is unstable: its softest stiffness, {lowest:.3g} N/m, is negative; use less twist"
         )

@@ -23,6 +23,7 @@ from rope_model.physics.elementary import (
 )
 from rope_model.physics.shaft import KINDS, Body
 from rope_model.shaft_parameters import FAR, Shaft
+from rope_model.solver_parameters import FidelityChoice
 
 LINING, CONVEYANCE, HEAD_ROPES, DIVIDER, FLOOR = range(len(KINDS))
 #: motion of bodies at rest
@@ -79,7 +80,7 @@ def min_body_thickness(scene: Scene) -> Scalar:
 
 
 def _in_lining(
-    scene: Scene, fidelity: str, left: EndMotion, right: EndMotion
+    scene: Scene, fidelity: FidelityChoice, left: EndMotion, right: EndMotion
 ) -> tuple[Scalar, ...]:
     shaft = scene.shaft
     lining = scene.shaft.lining
@@ -94,7 +95,7 @@ def _in_lining(
 
 
 def _below_floor(
-    scene: Scene, fidelity: str, left: EndMotion, right: EndMotion
+    scene: Scene, fidelity: FidelityChoice, left: EndMotion, right: EndMotion
 ) -> tuple[Scalar, ...]:
     shaft = scene.shaft
     level = scene.shaft.sump.level

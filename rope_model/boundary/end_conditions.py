@@ -1,10 +1,12 @@
 """Conditions at the ends of the rope: the pose of a plumb or leaning end, and its motion."""
 
+from typing import Annotated
+
 from rope_model.boundary.end_paths import EndMotion, EndPath
 from rope_model.parameters import Scene
 from rope_model.physics.elementary import (
     Scalar,
-    Vector,
+    Vector3,
     atan2,
     cos,
     hypot,
@@ -23,7 +25,7 @@ SMALL_LEAN = 1e-5  #: rad^2, squared lean below which D and E take their limits
 
 def held_end(
     path: EndPath, t: float, nominal_x: float, sense: float, angle: float
-) -> tuple[tuple[Scalar, ...], ...]:
+) -> Annotated[tuple[tuple[Scalar, ...], ...], 3, 7]:
     """Return position, velocity and acceleration (3, 7) at ``t`` of an end held at ``angle`` against its conveyance."""
     (x, y, z, yaw), (vx, vy, vz, yaw_rate), (ax, ay, az, yaw_acceleration) = path.motion(t)
     return (
@@ -33,7 +35,7 @@ def held_end(
     )
 
 
-def clamp_axis(lean: Vector, lean_z: Vector) -> tuple[tuple[Scalar, ...], ...]:
+def clamp_axis(lean: Vector3, lean_z: Vector3) -> Annotated[tuple[tuple[Scalar, ...], ...], 3, 3]:
     """Return the axis n of a clamp and its rates (3, 3), from the leans, a rotation vector, and their rates.
 
     n = (S lean, -C, S lean_z) with C = cos a, S = sin(a)/a for the angle a.  With p = a a_t,
@@ -76,7 +78,7 @@ def partly_placed(
     )
 
 
-def right_offset(left: Vector, right: Vector) -> Scalar:
+def right_offset(left: Vector3, right: Vector3) -> Scalar:
     """Return the offset (rad) of theta at the right end of an untwisted rope in the vertical plane of its ends.
 
     Turning that plane by psi about Y turns the frame by psi at the left end, by -psi at the right.

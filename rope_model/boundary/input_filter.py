@@ -25,10 +25,10 @@ behind an acceleration of the rate J by n J / W.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from rope_model.boundary import quintic
-from rope_model.boundary.end_paths import RESTS_BELOW, EndMotion, EndPath
+from rope_model.boundary.end_paths import LEANS, PATH, RESTS_BELOW, EndMotion, EndPath
 from rope_model.boundary.quintic import Quintic
 from rope_model.parameters import CHOICES, Scene
 from rope_model.physics.elementary import (
@@ -545,7 +545,7 @@ class PathMeasures(NamedTuple):
     Where inputs are estimated, the misfits are the jumps of the sample instead.
     """
 
-    peaks: tuple[float, ...]
+    peaks: Annotated[tuple[float, ...], len(PATH) + len(LEANS)]
     position_misfits: Four
     speed_misfits: Four
 

@@ -25,7 +25,7 @@ from rope_model.boundary.input_filter import (
 from rope_model.method.step_errors import ErrorSums, wave_duration
 from rope_model.parameters import Rope
 from rope_model.physics.elementary import (
-    TINY,
+    SMALLEST_DIVISOR,
     Scalar,
     Vector,
     cos,
@@ -170,9 +170,9 @@ def add_misfit_error(
 ) -> Scalar:
     """Add the error by inconsistent motions to ``error`` of the end forces, root mean square over the largest."""
     squares = maximum(left.misfits.force_error_square, right.misfits.force_error_square) / maximum(
-        sums.time, TINY
+        sums.time, SMALLEST_DIVISOR
     )
-    return sqrt(error * error + squares / maximum(sums.force * sums.force, TINY))
+    return sqrt(error * error + squares / maximum(sums.force * sums.force, SMALLEST_DIVISOR))
 
 
 def add_drift_error(error: Scalar, left: InputFilter, right: InputFilter) -> Scalar:

@@ -15,7 +15,7 @@ from rope_model.physics.node import ANGLE, POSITION, SLOPE
 from rope_model.physics.point_forces import time_fraction
 
 #: tolerance for points beyond the rope's ends, over its length
-ROUNDING = 1e-9
+BEYOND_ENDS = 1e-9
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class PointForces:
     def require_on(self, length: float) -> None:
         """Raise ValueError unless all points are on a rope of this ``length`` (m), up to rounding."""
         if self.s.size and not (
-            -ROUNDING * length <= self.s[0] and self.s[-1] <= (1.0 + ROUNDING) * length
+            -BEYOND_ENDS * length <= self.s[0] and self.s[-1] <= (1.0 + BEYOND_ENDS) * length
         ):
             reach = f"from {self.s[0]:g} m to {self.s[-1]:g} m"
             raise ValueError(

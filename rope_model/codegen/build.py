@@ -14,6 +14,7 @@ from pathlib import Path
 
 from rope_model.codegen.elements import element_code
 from rope_model.codegen.formula_functions import formulas_code
+from rope_model.codegen.interface_structures import interface_structures
 from rope_model.codegen.messages import messages_code
 from rope_model.codegen.platforms import host_platform, prebuilt_file, text_hash
 from rope_model.codegen.rules import rules_code, state_signals
@@ -31,6 +32,7 @@ _GENERATED: dict[str, Callable[[], str]] = {
     "messages.h": messages_code,
     "rules.h": rules_code,
     "state_structures.h": state_structures,
+    "interface_structures.h": interface_structures,
     "signal_numbers.h": signal_numbers,
     "state_signals.h": state_signals,
     "parameters.h": parameter_structures,

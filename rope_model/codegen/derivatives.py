@@ -1,10 +1,10 @@
 """Derivatives of formulas, by CasADi, for C alone."""
 
-from typing import Any
+from typing import Annotated, Any
 
 import casadi as ca
 
-from rope_model.boundary.end_paths import EndMotion, EndPath
+from rope_model.boundary.end_paths import MOTION_BOUNDS, EndMotion, EndPath
 from rope_model.boundary.input_filter import (
     FilterSettings,
     InputFilter,
@@ -21,8 +21,8 @@ def path_change(
     given_at: Scalar,
     stop: Scalar,
     end: EndMotion,
-    change: Vector,
-) -> tuple[tuple[Any, ...], ...]:
+    change: Annotated[Vector, len(MOTION_BOUNDS)],
+) -> Annotated[tuple[tuple[Any, ...], ...], 6, 6]:
     """Return the derivatives of the coefficients of an end's next path, by PATH and LEANS.
 
     The path leads from the end of ``path``, with the filter's ``state`` there, to ``stop``.  The

@@ -12,14 +12,24 @@ import casadi as ca
 from rope_model.codegen.expressions import is_number, statements
 from rope_model.physics.air_element import air_functions
 from rope_model.physics.curved_element import curved_functions
-from rope_model.physics.element import BALANCE, ELEMENT_DOF, ElementFidelity, element_functions
+from rope_model.physics.element import ELEMENT_DOF, ENERGIES, ElementFidelity, element_functions
 from rope_model.physics.wire_element import wire_functions
 
 
 def element_code() -> str:
     """Return all element functions, as ``torsional_tangent``; arguments are arrays of Vec, the last is the result."""
-    return "\n".join(
+    functions = (
         _function_code(name, f) for fidelity in ELEMENT_DOF for name, f in _functions(fidelity)
+    )
+    return "\n".join((_dofs(), *functions))
+
+
+def _dofs() -> str:
+    """Return, for each fidelity, the degrees of freedom of a node that it keeps, and their number."""
+    return "".join(
+        f"#define {fidelity.upper()}_DOFS {{{', '.join(map(str, dofs))}}}\n"
+        f"#define {fidelity.upper()}_NDOF {len(dofs)}\n"
+        for fidelity, dofs in ELEMENT_DOF.items()
     )
 
 
@@ -27,7 +37,7 @@ def _functions(fidelity: ElementFidelity) -> Iterator[tuple[str, ca.Function]]:
     e = element_functions(fidelity)
     yield f"{fidelity}_tangent", _upper_half("tangent", e.tangent)
     inputs = e.balance.sx_in()
-    energies = e.balance(*inputs)[: BALANCE.index("damping_power")]
+    energies = e.balance(*inputs)[: len(ENERGIES)]
     yield f"{fidelity}_balance", ca.Function("balance", inputs, [ca.cse(energies)])
     for name in ("residual", "losses", "strains", "momentum"):
         yield f"{fidelity}_{name}", getattr(e, name)
@@ -54,6 +64,14 @@ def _functions(fidelity: ElementFidelity) -> Iterator[tuple[str, ca.Function]]:
         yield "torsional_transport", ca.Function("transport", inputs, [ca.cse(transport)])
 
 
+def _name_of(symbols: ca.SX) -> str:
+    """Return the name of an argument: that of its symbols; a fidelity without frames has no symbols for F."""
+    if symbols.numel() == 0:
+        return "F"
+    first = str(symbols[0].name())
+    return first if symbols.numel() == 1 else first.removesuffix("_0")
+
+
 def _upper_half(name: str, tangent: ca.Function) -> ca.Function:
     """Build the function of the last result of ``tangent``, a symmetric matrix, as its upper half row by row."""
     inputs = tangent.sx_in()
@@ -63,11 +81,14 @@ def _upper_half(name: str, tangent: ca.Function) -> ca.Function:
 
 
 def _function_code(name: str, f: ca.Function) -> str:
-    inputs = range(f.n_in())
-    symbols = [ca.vertcat(*(ca.SX.sym(f"x{i}[{k}]") for k in range(f.numel_in(i)))) for i in inputs]
-    arguments = "".join(f"const Vec *RESTRICT x{i}, " for i in inputs)
+    inputs = [_name_of(symbols) for symbols in f.sx_in()]
+    symbols = [
+        ca.vertcat(*(ca.SX.sym(f"{x}[{k}]") for k in range(f.numel_in(i))))
+        for i, x in enumerate(inputs)
+    ]
+    arguments = "".join(f"const Vec *RESTRICT {x}, " for x in inputs)
     lines, texts = statements(ca.Function(name, symbols, f.call(symbols)), "Vec")
-    lines = [*(f"(void)x{i};" for i in inputs), *lines]
+    lines = [*(f"(void){x};" for x in inputs), *lines]
     lines += [
         f"y[{k}] = {f'SPLAT({text})' if is_number(text) else text};" for k, text in enumerate(texts)
     ]

@@ -1,38 +1,32 @@
-"""C text of rules and conditions (rules.h) and of state signals (state_signals.h), which read whole structures.
+"""C text of decision tables (rules.h) and of state signals (state_signals.h), which read whole structures.
 
-A formula is called with symbols for its parameters, the facts, as in codegen.formula_functions.
-The type of a fact in C follows from its annotation.  A fact is a whole structure, with integers and
-choices; only members that the formula reads become text.
+The formulas of a table are called with symbols for its facts, as those of ``formula_functions``.
 """
 
-import ctypes
-import inspect
 import re
-from collections.abc import Callable, Mapping
-from ctypes import c_int
-from enum import Enum
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from types import SimpleNamespace
-from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Any, NamedTuple
 
 import casadi as ca
 
-from rope_model.boundary.bodies import NO_ROOM, may_touch, min_body_thickness
+from rope_model.boundary.bodies import NO_ROOM
 from rope_model.boundary.end_paths import EndMotion
 from rope_model.boundary.input_filter import InputFilter
 from rope_model.codegen.expressions import statements, texts_of
 from rope_model.codegen.messages import texts
-from rope_model.codegen.signatures import is_structure, name_in_c
-from rope_model.codegen.state_structures import PatternStructure, StateStructure
-from rope_model.codegen.tables import Word, constant
+from rope_model.codegen.signatures import annotations, argument
+from rope_model.codegen.state_structures import StateStructure
+from rope_model.codegen.symbols import Word, members_at, symbols_of
+from rope_model.codegen.tables import constant
 from rope_model.fidelity import fidelity_rules
 from rope_model.messages.rules import Rules
 from rope_model.messages.text import Template
-from rope_model.method import mesh_pattern, swivel_phases
 from rope_model.parameters import Scene
 from rope_model.physics.elementary import Scalar
 from rope_model.physics.expressions import no_simplification
 from rope_model.signals.state_signals import remembered
+from rope_model.solver_parameters import FidelityChoice
 from rope_model.state import RopeState
 from rope_model.warnings import warning_rules
 from rope_model.warnings.result_warnings import WARNINGS
@@ -42,39 +36,31 @@ NUMERIC_WARNINGS = {
     name: warning.args[0] for name, warning in WARNINGS.items() if isinstance(warning, partial)
 }
 NUMERIC_WARNINGS["extrapolation"] = warning_rules.LONG_EXTRAPOLATION
+
+
+class Table(NamedTuple):
+    """Rules, and the types of their facts as annotations: a lambda has none."""
+
+    rules: Rules
+    facts: dict[str, Any]
+
+
+_SCENE: dict[str, Any] = {"scene": Scene}
+_STATE = {"scene": Scene, "state": RopeState}
+_ENDS = {"scene": Scene, "fidelity": FidelityChoice, "left": EndMotion, "right": EndMotion}
+_END = {"scene": Scene, "end_filter": InputFilter, "step": Scalar}
 #: tables by their name in C behind tell_: each returns whether a case applied
-TABLES: dict[str, Rules] = NUMERIC_WARNINGS | {
-    "touching_legs": warning_rules.LEG_CONTACT,
-    "torque_source": warning_rules.TORQUE_SOURCE,
-    "inputs_of_end": warning_rules.INPUTS,
-    "torque": fidelity_rules.TORQUE,
-    "complete_model": fidelity_rules.COMPLETE,
-    "unsupported": fidelity_rules.UNSUPPORTED,
-    "sufficient": fidelity_rules.SUFFICIENT,
-    "no_room": NO_ROOM,
+TABLES: dict[str, Table] = {
+    **{name: Table(rules, _STATE) for name, rules in NUMERIC_WARNINGS.items()},
+    "touching_legs": Table(warning_rules.LEG_CONTACT, _STATE | {"yaw": Scalar}),
+    "torque_source": Table(warning_rules.TORQUE_SOURCE, _SCENE | {"turned": Scalar}),
+    "inputs_of_end": Table(warning_rules.INPUTS, _END),
+    "torque": Table(fidelity_rules.TORQUE, _SCENE),
+    "complete_model": Table(fidelity_rules.COMPLETE, _SCENE | {"forces": Scalar}),
+    "unsupported": Table(fidelity_rules.UNSUPPORTED, _ENDS | {"forces": Scalar}),
+    "sufficient": Table(fidelity_rules.SUFFICIENT, _ENDS),
+    "no_room": Table(NO_ROOM, _ENDS),
 }
-#: conditions and numbers
-NUMBERS: tuple[Callable[..., Any], ...] = (
-    *(may_touch, min_body_thickness),
-    *(fidelity_rules.carries_torque, fidelity_rules.out_of_plane, fidelity_rules.held_input),
-    *(fidelity_rules.not_plumb, fidelity_rules.unsupported_input),
-    *(warning_rules.leaves_out, warning_rules.yawed_far_at_rest),
-    *(
-        mesh_pattern.fine_share,
-        mesh_pattern.inner_length,
-        mesh_pattern.min_outer,
-        mesh_pattern.pattern_centre,
-    ),
-    *(mesh_pattern.distance_past_limit, mesh_pattern.transformation_due, mesh_pattern.window_place),
-    *(
-        swivel_phases.frictionless,
-        swivel_phases.released_at,
-        swivel_phases.relaxes,
-        swivel_phases.kinetic_friction,
-    ),
-    *(swivel_phases.slip_constant, swivel_phases.slip_per_tension),
-    *(swivel_phases.beyond_rest, swivel_phases.moment_of_swivel, swivel_phases.swivel_excess),
-)
 _HEAD = """\
 /* Which message applies: generated by rope_model.codegen.rules. */
 #ifndef RULES_H
@@ -84,42 +70,21 @@ _HEAD = """\
 #include "formulas.h"
 #include "messages.h"
 """
-_ENDS = {"scene": Scene, "fidelity": str, "left": EndMotion, "right": EndMotion}
-#: types of a table's facts, as annotations: a lambda has none
-FACTS: dict[str, dict[str, Any]] = {
-    name: {"scene": Scene, "state": RopeState} for name in NUMERIC_WARNINGS
-} | {
-    "touching_legs": {"scene": Scene, "state": RopeState, "yaw": Scalar},
-    "torque_source": {"scene": Scene, "turned": Scalar},
-    "inputs_of_end": {"scene": Scene, "end_filter": InputFilter, "step": Scalar},
-    "torque": {"scene": Scene},
-    "complete_model": {"scene": Scene, "forces": Scalar},
-    "unsupported": {**_ENDS, "forces": Scalar},
-    "sufficient": _ENDS,
-    "no_room": _ENDS,
-}
 _NAMES = {text: name for name, text in texts().items()}
 #: names of members in C, where they differ
 _MEMBERS = {"left": "swivels[LEFT]", "right": "swivels[RIGHT]"}
 
 
-class _Fact(NamedTuple):
-    """Parameter in C, and the symbols that a formula takes for it."""
-
-    declared: str
-    symbols: Any
-
-
 def rules_code() -> str:
     """Return the text of rules.h."""
     with no_simplification():
-        tables = (table_code(name, rules, FACTS[name]) for name, rules in TABLES.items())
-        return "\n".join((_HEAD, *map(number_code, NUMBERS), *tables, _warnings(), "#endif\n"))
+        tables = (table_code(name, *table) for name, table in TABLES.items())
+        return "\n".join((_HEAD, *tables, _warnings(), "#endif\n"))
 
 
 def state_signals() -> str:
     """Return the text of state_signals.h: the signals of signals.state_signals."""
-    values = remembered(_members_at(StateStructure, "state->"))
+    values = remembered(members_at(StateStructure, "state->"))
     with no_simplification():
         lines, texts = texts_of([*values.values()])
     lines += [
@@ -144,96 +109,28 @@ def _warnings() -> str:
     return f"enum {{ {names} }};\n\n{head} {{\n{body}}}\n"
 
 
-def _fact(name: str, hint: Any) -> _Fact:
-    """Return a fact of the type ``hint``: a number, a choice (str), whole numbers, or a structure."""
-    if hint in (Scalar, float):
-        return _Fact(f"double {name}", ca.SX.sym(name))
-    if hint is str:
-        return _Fact(f"int {name}", Word(name, name))
-    if get_origin(hint) is Annotated:
-        (length,) = hint.__metadata__
-        return _Fact(f"const int {name}[{length}]", _members_at(c_int * length, name))
-    if hint is mesh_pattern.Pattern:
-        return _Fact(f"const Pattern *{name}", _members_at(PatternStructure, f"{name}->"))
-    if is_structure(hint):
-        return _Fact(f"const {name_in_c(hint)} *{name}", _symbols(hint, f"{name}->"))
-    raise TypeError(
-        f"{name} has the annotation {hint}, which has no type in C: annotate it with Scalar, str, "
-        "whole numbers as InnerCounts, Pattern or a structure"
-    )
-
-
-def _symbols(kind: type[Any], prefix: str) -> Any:
-    """Return an object like one of ``kind`` with symbols, without members that have another form in C."""
-    values: dict[str, Any] = {}
-    for name, hint in get_type_hints(kind).items():
-        expression = prefix + (_MEMBERS.get(name, name) if kind is Scene else name)
-        if hint in (float, int):
-            values[name] = ca.SX.sym(expression)
-        elif get_origin(hint) is Literal or (isinstance(hint, type) and issubclass(hint, Enum)):
-            values[name] = Word(expression, name)
-        elif name == "counts" and get_origin(hint) is tuple:
-            values[name] = _members_at(c_int * len(get_args(hint)), expression)
-        elif isinstance(hint, type) and hint is not str:
-            values[name] = _symbols(hint, f"{expression}.")
-    if issubclass(kind, tuple):
-        return SimpleNamespace(**values)
-    symbolic = object.__new__(kind)  # properties of the class are formulas
-    vars(symbolic).update(values)
-    return symbolic
-
-
-def _members_at(kind: Any, expression: str) -> Any:
-    """Return symbols for the numbers of a structure or array with the expression ``expression`` in C."""
-    if issubclass(kind, ctypes.Structure):
-        expression += "" if expression.endswith("->") else "."
-        return SimpleNamespace(
-            **{name: _members_at(part, f"{expression}{name}") for name, part in kind._fields_}
-        )
-    if issubclass(kind, ctypes.Array):
-        return tuple(_members_at(kind._type_, f"{expression}[{k}]") for k in range(kind._length_))
-    return ca.SX.sym(expression if kind is ctypes.c_double else f"(double){expression}")
-
-
-def _annotations(formula: Callable[..., Any]) -> dict[str, Any]:
-    """Return the annotations of the parameters, in their order; None for those without."""
-    hints = get_type_hints(formula, include_extras=True)
-    return {name: hints.get(name) for name in inspect.signature(formula).parameters}
-
-
-def number_code(formula: Callable[..., Any]) -> str:
-    """Return the C function of a formula that returns a number or a condition."""
-    facts = {name: _fact(name, hint) for name, hint in _annotations(formula).items()}
-    lines, (text,) = _texts([formula(*(fact.symbols for fact in facts.values()))])
-    declared = ", ".join(fact.declared for fact in facts.values())
-    body = "".join(f"    {line}\n" for line in (*lines, f"return {text};"))
-    head = f"static inline double {formula.__name__}({declared})"
-    return f"/* {formula.__module__}.{formula.__qualname__} */\n{head} {{\n{body}}}\n"
-
-
 def table_code(name: str, rules: Rules, hints: Mapping[str, Any]) -> str:
     """Return the C function of a table with facts of these types."""
     for formula in rules.values():
-        own = _annotations(formula)
+        own = annotations(formula)
         expected = {fact: hints.get(fact) if own[fact] is not None else None for fact in own}
         if [*own] != [*hints] or own != expected:
             raise TypeError(
                 f"{formula.__qualname__} of the table {name} takes {own}: it must take {hints}"
             )
-    facts = {fact: _fact(fact, hint) for fact, hint in hints.items()}
-    body = "".join(_rule(message, formula, facts) for message, formula in rules.items())
+    arguments = [argument(fact, hint) for fact, hint in hints.items()]
+    symbols = [symbols_of(fact) for fact in arguments]
+    body = "".join(_rule(message, formula, symbols) for message, formula in rules.items())
     unused = "".join(
-        f"    (void){fact};\n" for fact in facts if not re.search(rf"\b{fact}\b", body)
+        f"    (void){fact};\n" for fact in hints if not re.search(rf"\b{fact}\b", body)
     )
-    declared = "".join(f"{fact.declared}, " for fact in facts.values())
+    declared = "".join(f"{fact.declaration()}, " for fact in arguments)
     return f"static inline int tell_{name}({declared}char *message) {{\n{unused}{body}    return 0;\n}}\n"
 
 
-def _rule(
-    message: Template, formula: Callable[..., tuple[Any, ...]], facts: Mapping[str, _Fact]
-) -> str:
+def _rule(message: Template, formula: Callable[..., tuple[Any, ...]], facts: Sequence[Any]) -> str:
     """Return a block that writes the message if it applies."""
-    results = formula(*(fact.symbols for fact in facts.values()))
+    results = formula(*facts)
     lines, texts = _texts([x for x in results if not isinstance(x, Word)])
     applies, *numbers = (
         f"fidelity_name({x.text})" if isinstance(x, Word) else texts.pop(0) for x in results

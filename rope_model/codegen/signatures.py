@@ -1,62 +1,87 @@
-"""Signatures in C of formulas: Python's names and annotations, with the lengths that these lack."""
+"""Signatures in C of Python functions: their names and types follow from name, module and annotations."""
 
 import inspect
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, is_dataclass
-from typing import Any, get_type_hints
+import re
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, is_dataclass
+from math import prod
+from types import ModuleType
+from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
-from rope_model.boundary.end_paths import EndPath
+from rope_model.boundary.end_paths import EndMotion
+from rope_model.boundary.input_filter import PathMeasures
+from rope_model.method.mesh_pattern import Pattern
+from rope_model.parameters import GROUPS
+from rope_model.physics.air import AirCoefficients
+from rope_model.physics.centreline import SuspensionPoint
+from rope_model.physics.element import ElementParameters
+from rope_model.physics.elementary import Scalar
+from rope_model.physics.inextensible import SuspensionMotion
 from rope_model.state import RopeState
 
 #: names of structures in C, where they differ
-_IN_C: dict[type[Any], str] = {EndPath: "Path", RopeState: "State"}
+_IN_C: dict[type[Any], str] = {RopeState: "State"}
+#: structure in C of each protocol
+_STRUCTURES: dict[Any, type[Any]] = {SuspensionPoint: EndMotion, SuspensionMotion: EndMotion}
+#: records that are arrays of their numbers in C; a constant there has the length
+ARRAY_RECORDS: tuple[type[Any], ...] = (PathMeasures, AirCoefficients, ElementParameters)
 
 
 @dataclass(frozen=True)
 class Argument:
-    """Argument of a C function: a number, an array of numbers, or a structure."""
+    """Argument of a C function: a number, a choice, an array of numbers, or a structure."""
 
     name: str
     structure: type[Any] | None = None
     shape: tuple[int, ...] = ()  # lengths of an array
+    whole: bool = False  # integers, as the code of a choice
+    words: tuple[Any, ...] = ()  # of a choice
 
     def declaration(self, constant: bool = True) -> str:
         """Return the declaration in C.  Structures and arrays are ``constant``, or receive results."""
         qualifier = "const " if constant else ""
         if self.structure is not None:
             return f"{qualifier}{name_in_c(self.structure)} *{self.name}"
+        number = "int" if self.whole else "double"
         if self.shape:
             lengths = "".join(f"[{length}]" for length in self.shape)
-            return f"{qualifier}double {self.name}{lengths}"
-        return f"double {self.name}"
+            return f"{qualifier}{number} {self.name}{lengths}"
+        return f"{number} {self.name}"
 
 
 @dataclass(frozen=True)
 class Formula:
     """Python function that becomes a C function."""
 
-    name: str  # in C
     function: Callable[..., Any]
-    #: numbers of each parameter that is an array
-    lengths: Mapping[str, int] = field(default_factory=dict)
-    #: array that receives the results; without it the function returns a number or a structure
-    result: Argument | None = None
-    #: structure of each parameter that Python annotates with a protocol
-    structures: Mapping[str, type[Any]] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """Name in C."""
+        return function_in_c(self.function)
 
     @property
     def arguments(self) -> list[Argument]:
         """Arguments in C, without the array that receives the results."""
-        hints = get_type_hints(self.function)
         return [
-            self._argument(name, hints.get(name))
-            for name in inspect.signature(self.function).parameters
+            argument(name, self._owner if name == "self" else hint)
+            for name, hint in annotations(self.function).items()
         ]
+
+    @property
+    def result(self) -> Argument | None:
+        """Array that receives the results; None for a function that returns a number or a structure."""
+        hint = self._returned
+        if hint in ARRAY_RECORDS:
+            return Argument("result", shape=(length_of(hint),))
+        shape = shape_of(hint)
+        return Argument("result", shape=shape) if shape else None
 
     @property
     def returned(self) -> type[Any] | None:
         """Structure that the function returns; None for a number, or where an array receives the results."""
-        hint = get_type_hints(self.function).get("return")
+        hint = self._returned
         return hint if self.result is None and is_structure(hint) else None
 
     @property
@@ -73,18 +98,83 @@ class Formula:
             declared.append(self.result.declaration(constant=False))
         return f"{self.return_type} {self.name}({', '.join(declared)})"
 
-    def _argument(self, name: str, hint: Any) -> Argument:
-        if name == "self":
-            return Argument("path", EndPath)  # no other class has formulas as methods
-        if name in self.lengths:
-            return Argument(name, shape=(self.lengths[name],))
-        hint = self.structures.get(name, hint)
-        return Argument(name, hint if is_structure(hint) else None)
+    @property
+    def _returned(self) -> Any:
+        return get_type_hints(self.function, include_extras=True).get("return")
+
+    @property
+    def _owner(self) -> Any:
+        """Class of a method."""
+        return getattr(
+            sys.modules[self.function.__module__], self.function.__qualname__.split(".")[0]
+        )
 
 
-def array(name: str, *shape: int) -> Argument:
-    """Return an array of these lengths."""
-    return Argument(name, shape=shape)
+def annotations(function: Callable[..., Any]) -> dict[str, Any]:
+    """Return the annotations of the parameters, in their order; None for those without."""
+    hints = get_type_hints(function, include_extras=True)
+    return {name: hints.get(name) for name in inspect.signature(function).parameters}
+
+
+def argument(name: str, hint: Any) -> Argument:
+    """Return the argument of a parameter with the annotation ``hint``; raises TypeError if C has no type for it."""
+    if hint in (Scalar, float):
+        return Argument(name)
+    if get_origin(hint) is Literal:
+        return Argument(name, whole=True, words=get_args(hint))
+    if get_origin(hint) is Annotated:
+        whole = int in hint.__metadata__
+        return Argument(name, shape=shape_of(hint), whole=whole)
+    groups = [part for part in get_args(hint) if part in GROUPS.values()]
+    structure = groups[0] if groups else _STRUCTURES.get(hint, hint)
+    if is_structure(structure) or structure is Pattern:
+        return Argument(name, structure)
+    raise TypeError(
+        f"{name} has the annotation {hint}, which has no type in C: annotate it with Scalar, a "
+        "choice (Literal), a Vector with its length, as Vector3 or InnerCounts, or a structure"
+    )
+
+
+def shape_of(hint: Any) -> tuple[int, ...]:
+    """Return () for a number, or the lengths of an array: of its annotation, or of a nested tuple of numbers."""
+    if get_origin(hint) is Annotated:
+        return tuple(length for length in hint.__metadata__ if length is not int)
+    parts = get_args(hint) if get_origin(hint) is tuple else ()
+    return (len(parts), *shape_of(parts[0])) if parts else ()
+
+
+def length_of(kind: type[Any]) -> int:
+    """Return the number of numbers in a record."""
+    hints = get_type_hints(kind, include_extras=True)
+    return sum(prod(shape_of(hint)) for hint in hints.values())
+
+
+def function_in_c(function: Callable[..., Any]) -> str:
+    """Return the name of a function in C, which tells its module, or of a method its class."""
+    *owner, name = function.__qualname__.rpartition("<locals>.")[2].split(".")
+    room = snake_case(owner[0]) if owner else _last_part(function.__module__)
+    return _with_room(room, name)
+
+
+def constant_in_c(module: ModuleType, name: str) -> str:
+    """Return the name of a constant in C, which tells its module."""
+    return _with_room(_last_part(module.__name__).upper(), name)
+
+
+def snake_case(name: str) -> str:
+    """Return the name of a class in lower case, with its words apart."""
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
+
+
+def _last_part(module: str) -> str:
+    return module.rpartition(".")[2]
+
+
+def _with_room(room: str, name: str) -> str:
+    """Return ``name`` behind the name of its room, unless both have a word in common."""
+    if set(room.split("_")) & set(name.split("_")):
+        return name
+    return f"{room}_{name}"
 
 
 def name_in_c(kind: type[Any]) -> str:

@@ -6,26 +6,35 @@ named tuple.
 
 import ctypes
 from collections.abc import Iterator
-from ctypes import Structure, c_char, c_double, c_int, c_int64
+from ctypes import Structure, c_bool, c_char, c_double, c_int, c_int64, c_size_t, c_void_p
 from inspect import cleandoc
 from itertools import pairwise, product
 from math import prod
 from typing import Any, get_args, get_origin, get_type_hints
 
-from rope_model.method.mesh_pattern import NO_DIVIDERS
+from rope_model.method.mesh_fit import NO_DIVIDERS
 from rope_model.method.swivel_phases import CHATTER_EVENTS, Phase, SwivelState
 from rope_model.physics.guard import CAUSES
 from rope_model.physics.shaft import KINDS
+from rope_model.solver_parameters import INNER_SEGMENTS
 from rope_model.state import NO_HYSTERESIS, Counts, RopeState
 
 MESSAGE = 512  #: bytes of a message
-SEGMENTS = 7  #: segments of TMN-ETM
+SEGMENTS = len(INNER_SEGMENTS) + 2  #: segments of TMN-ETM, with I and VII
 LOGGED_EVENTS = 128  #: largest number of events of an advance in the state
 #: kinds of events
 HAPPENINGS = ("transformed", "sticks", "slips_forward", "slips_back", "raised")
 #: arrays of the nodes, 7 numbers each; behind them are element lengths and arc lengths of the nodes
 ARRAYS = ("q", "v", "a", "b", "a_rate", "reaction")
-_NUMBERS: dict[Any, str] = {c_double: "double", c_int: "int", c_int64: "int64_t", c_char: "char"}
+_NUMBERS: dict[Any, str] = {
+    c_double: "double",
+    c_int: "int",
+    c_int64: "int64_t",
+    c_char: "char",
+    c_bool: "bool",
+}
+#: types of functions' arguments and results
+_TYPES: dict[Any, str] = {c_size_t: "size_t", c_void_p: "void *", None: "void "}
 
 
 class SwivelStateStructure(Structure):
@@ -46,11 +55,10 @@ def _type_of(hint: Any) -> Any:
     if not hasattr(hint, "_fields"):
         return c_int64 if hint is int else c_double
     if hint not in PARTS:
-        name = hint.__name__.removeprefix("End")
         where = f"{hint.__module__}.{hint.__name__}."
         members = [(member, _type_of(part)) for member, part in get_type_hints(hint).items()]
         PARTS[hint] = type(
-            f"{name}Structure", (Structure,), {"__doc__": where, "_fields_": members}
+            f"{hint.__name__}Structure", (Structure,), {"__doc__": where, "_fields_": members}
         )
     return PARTS[hint]
 
@@ -59,12 +67,10 @@ class PatternStructure(Structure):
     """Pattern of TMN-ETM; coarse = 0 for EEM."""
 
     _fields_ = (
-        *(
-            ("coarse", c_double),
-            ("grading_length", c_double),
-            ("counts", c_int * SEGMENTS),
-            ("end_levels", c_int),
-        ),
+        ("coarse", c_double),
+        ("grading_length", c_double),
+        ("counts", c_int * SEGMENTS),
+        ("end_levels", c_int),
         ("windows", c_int * len(NO_DIVIDERS)),
     )
 
@@ -158,6 +164,11 @@ def structure_code(kind: type[Structure]) -> str:
 
 
 def _member(field: str, of: Any) -> str:
+    if hasattr(of, "_argtypes_"):
+        taken = ", ".join(_TYPES[argument] for argument in of._argtypes_)
+        return f"{_TYPES[of._restype_]}(*{field})({taken})"
+    if isinstance(of, type(ctypes.POINTER(c_int))):
+        return f"const {_member(f'(*{field})', of._type_)}"
     lengths, entry = _entries(of)
     array = "".join(f"[{length}]" for length in lengths)
     return f"{_NUMBERS.get(entry) or _name_of(entry)} {field}{array}"

@@ -2,16 +2,12 @@
 
 import re
 from collections.abc import Iterator
-from enum import Enum
 from typing import Any, get_args
-
-import casadi as ca
 
 from rope_model.boundary.bodies import BODIES
 from rope_model.boundary.end_paths import MOTION_BOUNDS
 from rope_model.codegen.expressions import texts_of
-from rope_model.codegen.formula_functions import structure_at
-from rope_model.codegen.state_structures import structure_code
+from rope_model.codegen.state_structures import MESSAGE, structure_code
 from rope_model.codegen.structures import (
     GROUPS,
     EndMotionStructure,
@@ -19,6 +15,7 @@ from rope_model.codegen.structures import (
     ShaftStructure,
     members,
 )
+from rope_model.codegen.symbols import SPELT, code_name, structure_at
 from rope_model.fidelity.choice import FIDELITIES
 from rope_model.fidelity.neglected_effects import neglected_text
 from rope_model.method.stepping import MIN_INTERVAL
@@ -33,10 +30,9 @@ from rope_model.signals.signal_groups import group_of
 from rope_model.signals.signal_table import SHAPE_POINTS, SIGNALS
 from rope_model.solver_parameters import MAX_ELEMENTS, FidelityChoice
 from rope_model.texts import c_string
+from rope_model.warnings.result_warnings import WARNINGS
 
 _HEAD = "/* Generated from the parameters of rope_model by rope_model.codegen.tables. */\n"
-#: choices with other names in C
-_SPELT = {"kind": "MESH"}
 
 
 def signal_numbers() -> str:
@@ -72,7 +68,11 @@ def constant(name: str) -> str:
 
 def parameter_structures() -> str:
     """Return the text of parameters.h: bounds of motions, codes of choices, a structure for each group."""
-    parts = [f"enum {{ MAX_ELEMENTS = {MAX_ELEMENTS} }};\n"]
+    parts = [
+        f"/* bytes for a message, with its terminating zero */\nenum {{ MESSAGE = {MESSAGE} }};\n",
+        f"/* number of kinds of warnings */\nenum {{ ROPE_WARNINGS = {len(WARNINGS)} }};\n",
+        f"enum {{ MAX_ELEMENTS = {MAX_ELEMENTS} }};\n",
+    ]
     names = ", ".join(map(c_string, MOTION_BOUNDS))
     reach = ", ".join(map(repr, MOTION_BOUNDS.values()))
     offsets = ", ".join(f"offsetof(EndMotion, {name})" for name in MOTION_BOUNDS)
@@ -112,35 +112,7 @@ def _codes(name: str, words: tuple[str, ...]) -> str:
     """Return the codes of a choice, and a macro with its words to initialise an array."""
     codes = ", ".join(code_name(name, word) for word in words)
     quoted = ", ".join(c_string(word) for word in words)
-    return f"enum {{ {codes} }};\n#define {_SPELT.get(name, name.upper())}_WORDS {{{quoted}}}\n"
-
-
-def code_name(name: str, word: str) -> str:
-    """Return the name in C of the code of a ``word`` of the choice ``name``."""
-    if word == "auto" or name in ("given", "mode", "start"):
-        suffix = f"_{_SPELT.get(name, name.upper())}"
-    else:
-        suffix = ""
-    return word.upper() + suffix
-
-
-class Word:
-    """Choice that is compared with its words."""
-
-    def __init__(self, text: str, name: str) -> None:
-        self.text = text
-        self._name = name
-
-    def __eq__(self, word: object) -> Any:
-        return ca.SX.sym(self.text) == self._code(word)
-
-    def __ne__(self, word: object) -> Any:
-        return ca.SX.sym(self.text) != self._code(word)
-
-    def _code(self, word: object) -> ca.SX:
-        return ca.SX.sym(word.name if isinstance(word, Enum) else code_name(self._name, str(word)))
-
-    __hash__ = None  # type: ignore[assignment]
+    return f"enum {{ {codes} }};\n#define {SPELT.get(name, name.upper())}_WORDS {{{quoted}}}\n"
 
 
 def _structure(kind: type[Any]) -> str:
@@ -157,13 +129,11 @@ def _structure(kind: type[Any]) -> str:
 
 
 def _bounds(kind: type[Any]) -> str:
-    """Return check_rope and so on: require_in_bounds of rope_model.parameter_table in C."""
+    """Return check_rope and so on, which check in the order of ParameterGroup.require_in_bounds."""
     known = {m.name: m for m in members(kind)}
     table = [(name, p) for name, p in check_order(kind) if name in known and not known[name].length]
-    calls = [_choice(name, p) for name, p in table if p.choices]
-    calls += [
-        f'require_finite(check, "{name}", x->{name})' for name, _ in table if known[name].real
-    ]
+    calls = [f'require_finite(check, "{name}", x->{name})' for name, _ in table if known[name].real]
+    calls += [_choice(name, p) for name, p in table if p.choices]
     calls += [_range(name, p, known[name].real) for name, p in table if p.bound and not p.choices]
     with no_simplification():
         body = "".join(
@@ -193,7 +163,6 @@ def _scene_check() -> str:
 def _cross_check(kind: type[Any], check: CrossCheck) -> str:
     """Return a block that refuses values which violate a cross-check; numbers from integers are printed as such."""
     x = structure_at(kind, "x->")
-    vars(x).update({name: Word(f"x->{name}", name) for name, _ in _choices(kind)})
     holds, value, *number = check.formula(x)
     values = value if isinstance(value, tuple) else (value,)
     lines, (condition, *numbers) = texts_of([logical_and(*holds), *values, *number])

@@ -8,17 +8,14 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "parameters.h" /* generated: codes of choices, EndMotion, and Scene with its groups of parameters */
+/* generated: MESSAGE, ROPE_WARNINGS, codes of choices, EndMotion, and Scene with its groups of parameters */
+#include "parameters.h"
+/* generated: Memory, PointForces, LinearFacts */
+#include "interface_structures.h"
 
 enum { LEFT, RIGHT };
 enum { SLOPE = 3, ANGLE = 6, DOF = 7 }; /* degrees of freedom of a node: r (3), r' (3), theta */
-enum { MESSAGE = 512 };                 /* bytes for a message, with its terminating zero */
-
-/* The host's allocator, with the behaviour of calloc and free. */
-typedef struct {
-    void *(*allocate)(size_t count, size_t size);
-    void (*deallocate)(void *);
-} Memory;
+enum { ROPE_ROW = 1 + 2 * ANGLE };      /* numbers of a row of rope_rows */
 
 typedef struct Simulator Simulator;
 
@@ -45,16 +42,10 @@ RopeStatus rope_advance_to_event(Simulator *sim, double t, const EndMotion ends[
 /* Replace the parameters of solver, swivels and air by those of `scene`.  Only tunable ones may differ. */
 RopeStatus rope_retune(Simulator *sim, const Scene *scene);
 
-/* Point forces on the rope. */
-typedef struct {
-    int count;
-    double start, stop;        /* times, s, between which the forces are linear; they are constant before and after */
-    const double (*places)[7]; /* arc length from the left end, m, ascending; force at start (3) and at stop (3), N */
-} PointForces;
 /* Apply point forces until the next call.  The rope keeps the pointer to `places`; a saved state has no forces. */
 void rope_apply(Simulator *sim, const PointForces *forces);
 /* Arc length, r, r', and the rates of r and r' of each node. */
-void rope_rows(const Simulator *sim, double (*rows)[13]);
+void rope_rows(const Simulator *sim, double (*rows)[ROPE_ROW]);
 /* Displacements, m, by forces at `start` that act at the end of a step as long as the last one; linearised.  Refused
    for a rigid rope. */
 RopeStatus rope_displacement(Simulator *sim, const PointForces *forces, double (*moved)[3]);
@@ -68,7 +59,7 @@ const char *rope_fidelity_reason(const Simulator *sim);
 
 /* Write a warning about valid results into message (MESSAGE bytes), "" if it does not apply.  `index` is 0
    to ROPE_EXTRAPOLATION; the last one is only for hosts that extrapolate the ends' motions. */
-enum { ROPE_WARNINGS = 13, ROPE_EXTRAPOLATION = ROPE_WARNINGS };
+enum { ROPE_EXTRAPOLATION = ROPE_WARNINGS };
 void rope_warning(Simulator *sim, int index, char *message);
 
 /* Write the values of outputs, by their numbers in rope_model.signals.signal_table.SIGNALS.  Booleans and
@@ -83,15 +74,6 @@ RopeStatus rope_load_derivative(Simulator *sim, int input, int at_step_end, doub
    2 for each input and each added mass. */
 size_t rope_repeated_steps(const Simulator *sim);
 
-/* What linear models and natural modes need of the present state, in the complete (torsional) model. */
-typedef struct {
-    bool free[2][DOF]; /* true for coordinates of an end that are not prescribed */
-    bool near_bodies;  /* true if an element may touch a body */
-    bool curved;       /* true if permanent curvature acts */
-    bool rubs;         /* true if wires rub */
-    int frame_size;    /* numbers of an element in rope_frames */
-    double lowest_s;   /* arc length of the loop's lowest point, m */
-} LinearFacts;
 void rope_linear_facts(Simulator *sim, LinearFacts *facts);
 /* Write frame_size numbers of each element, which its functions take: the frame's reference, then the permanent
    curvature and the history of its wires, where these act.  The state must be torsional. */

@@ -16,9 +16,10 @@ from rope_model.parameters import AT_START, Scene
 from rope_model.physics import estimates
 from rope_model.physics.elementary import Scalar, logical_and, logical_or, maximum, where
 from rope_model.physics.estimates import Travel
-from rope_model.physics.guard import has_guards
+from rope_model.physics.guard import any_threshold
 from rope_model.physics.inextensible import min_tension, rigid_tensions
 from rope_model.physics.initial_curvature import max_curvature
+from rope_model.solver_parameters import FidelityChoice
 
 TURNED = ("yaw", "yaw_rate")  #: inputs that turn a rope whose swivels hold
 OUT_OF_PLANE = ("z", "vz", "az", "lean_z")  #: inputs out of the plane
@@ -45,7 +46,7 @@ def expected_travel(ends: Sequence[EndMotion]) -> estimates.Travel:
     return estimates.travel_estimate(abs(left.y - right.y), speed, acceleration)
 
 
-def force_error(scene: Scene, fidelity: str, travel: Travel) -> Scalar:
+def force_error(scene: Scene, fidelity: FidelityChoice, travel: Travel) -> Scalar:
     """Return the estimated error of the end forces against the complete model; inf if the loop may turn far."""
     locked = logical_and(scene.left.mode == "locked", scene.right.mode == "locked")
     torque_error = estimates.held_error(scene, travel) + where(
@@ -84,7 +85,9 @@ def held_input(left: EndMotion, right: EndMotion) -> Scalar:
     return first_input(left, right, True, True, False)
 
 
-def unsupported_input(scene: Scene, fidelity: str, left: EndMotion, right: EndMotion) -> Scalar:
+def unsupported_input(
+    scene: Scene, fidelity: FidelityChoice, left: EndMotion, right: EndMotion
+) -> Scalar:
     """Return the number of the first input that ``fidelity``, not torsional, leaves out; 0: none."""
     held = _turns_freely(scene) == 0
     across = logical_or(fidelity != "spatial", logical_and(held, scene.model.fidelity == "auto"))
@@ -114,7 +117,7 @@ def _curved(scene: Scene) -> tuple[Scalar, ...]:
 
 
 def _error_above_tolerance(
-    scene: Scene, fidelity: str, left: EndMotion, right: EndMotion, forces: Scalar
+    scene: Scene, fidelity: FidelityChoice, left: EndMotion, right: EndMotion, forces: Scalar
 ) -> tuple[Scalar, ...]:
     error = force_error(scene, fidelity, expected_travel((left, right)))
     tolerance = scene.model.force_tolerance
@@ -122,20 +125,20 @@ def _error_above_tolerance(
 
 
 def _would_go_slack(
-    scene: Scene, fidelity: str, left: EndMotion, right: EndMotion, forces: Scalar
+    scene: Scene, fidelity: FidelityChoice, left: EndMotion, right: EndMotion, forces: Scalar
 ) -> tuple[Scalar, ...]:
     tension = min_tension(rigid_tensions(scene.rope, scene.layout, left, right))
     return logical_and(fidelity == "rigid", tension < 0), tension
 
 
 def _no_torque(
-    scene: Scene, fidelity: str, left: EndMotion, right: EndMotion
+    scene: Scene, fidelity: FidelityChoice, left: EndMotion, right: EndMotion
 ) -> tuple[Scalar, ...]:
     return (logical_and(fidelity != "rigid", carries_torque(scene) == 0),)
 
 
 def _error_within_tolerance(
-    scene: Scene, fidelity: str, left: EndMotion, right: EndMotion
+    scene: Scene, fidelity: FidelityChoice, left: EndMotion, right: EndMotion
 ) -> tuple[Scalar, ...]:
     travel = expected_travel((left, right))
     tolerance = scene.model.force_tolerance
@@ -152,7 +155,7 @@ COMPLETE: Rules = {
     fidelity_messages.may_touch_itself: lambda scene, forces: (
         scene.shaft.contact.rope_stiffness > 0,
     ),
-    fidelity_messages.guards_watch: lambda scene, forces: (has_guards(scene.shaft.guard) > 0,),
+    fidelity_messages.guards_watch: lambda scene, forces: (any_threshold(scene.shaft.guard) > 0,),
     fidelity_messages.in_air: lambda scene, forces: (scene.shaft.air.density > 0,),
     fidelity_messages.is_curved: lambda scene, forces: _curved(scene),
     fidelity_messages.not_plumb: lambda scene, forces: (not_plumb(scene),),

@@ -6,7 +6,7 @@ compared with the end forces and moments and the weight:
     p_1 - p_0 - int (F_l + F_r + W) dt = H f,      L_1 - L_0 - int (M_l + M_r + M_W) dt = H m
 
 about a point midway between the ends.  Shorter communication steps are taken together until they
-last MIN_INTERVAL:  the small impulse by which a transformation of the mesh corrects the motion
+last JUDGED_INTERVAL:  the small impulse by which a transformation of the mesh corrects the motion
 would be a large force over 10 ns.
 
 f and m, mean missing force and moment, are zero for the exact motion.  The trapezoidal rule of the
@@ -20,13 +20,14 @@ that a step takes, and the turn of the tangent in an element.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from rope_model.method.generalized_alpha import Coefficients, auxiliary_weights
 from rope_model.parameters import Rope
-from rope_model.physics.elementary import Scalar, Vector, atan2, cross, dot, maximum, sqrt, where
+from rope_model.physics.elementary import Scalar, atan2, cross, dot, maximum, sqrt, where
 from rope_model.physics.estimates import axial_frequency
 from rope_model.physics.frame import end_moment
+from rope_model.physics.node import NodeRow
 
 #: force and moment of all loads, then the vertical forces of the left and of the right end alone
 Load = tuple[float, float, float, float, float, float, float, float]
@@ -42,7 +43,7 @@ MISSING_FORCE = 1e-3  #: missing force over the largest end force
 MISSING_MOMENT = 5e-3  #: missing moment over the largest end force times the spacing
 #: s, time over which an impulse that is missing counts as a force: below the usual steps of 5 ms
 #: and more, and with the correction of a transformation, some 1e-4 N m s, far below MISSING_MOMENT
-MIN_INTERVAL = 4e-3
+JUDGED_INTERVAL = 4e-3
 #: time steps in an axial period: in an emergency stop of the 120 m rope the error of end forces is
 #: 4 % with 3.1, 8 % with 2.1
 MIN_STEPS = 3.0
@@ -98,7 +99,7 @@ class AuditedInterval(NamedTuple):
     bend: float  # largest squared change of r' over an element
 
 
-def end_load(q: Vector, f: Vector, torque: Scalar) -> tuple[Scalar, ...]:
+def end_load(q: NodeRow, f: NodeRow, torque: Scalar) -> Annotated[tuple[Scalar, ...], 6]:
     """Return force and moment about the origin (6,) on an end, from its coordinates and reaction (7,)."""
     x, y, z = cross(q, f)
     moment = end_moment(q[3:6], f[3:6], torque)
@@ -121,7 +122,7 @@ def elements_per_bend(square: Scalar) -> Scalar:
     return 0.5 * math.pi / atan2(sqrt(quarter), sqrt(maximum(1.0 - quarter, 0.0)))
 
 
-def signal_values(audit: Audit) -> tuple[Scalar, ...]:
+def signal_values(audit: Audit) -> Annotated[tuple[Scalar, ...], 6]:
     """Return the values of the signals audit.* in their order; 0 where nothing was computed yet."""
     fraction, bend = (where(x > 0, x, 1.0) for x in (audit.period_fraction, audit.bend))
     steps = where(audit.period_fraction > 0, 1.0 / fraction, 0.0)
@@ -168,7 +169,7 @@ def after_interval(audit: Audit, interval: AuditedInterval, mass: Scalar, gravit
     before = audit.sums
     sums = interval.sums
     h = audit.interval + interval.h
-    judged = h >= MIN_INTERVAL
+    judged = h >= JUDGED_INTERVAL
     # the first moment is a cubic with p as its rate at both ends
     x, z = (
         0.5 * h * (before[6 + k] + sums[6 + k]) + h * h / 12.0 * (before[k] - sums[k])

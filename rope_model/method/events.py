@@ -33,7 +33,7 @@ def trial_x(bracket: Bracket, width: Scalar) -> Scalar:
     return where(logical_and(low < x, x < high), x, middle)
 
 
-def narrowed(bracket: Bracket, x: Scalar, value: Scalar) -> Bracket:
+def narrowed_bracket(bracket: Bracket, x: Scalar, value: Scalar) -> Bracket:
     """Return the remaining interval if the function has this ``value`` at ``x``."""
     low, high, f_low, f_high, side, stalled = (getattr(bracket, name) for name in Bracket._fields)
     below = value < 0

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 
@@ -88,7 +89,7 @@ def newton_coefficients(method: Coefficients, h: Scalar) -> tuple[Scalar, Scalar
 
 def prediction_weights(
     method: Coefficients, h: Scalar, recentring: Scalar, horizon: Scalar
-) -> tuple[Scalar, ...]:
+) -> Annotated[tuple[Scalar, ...], 6]:
     """Return the weights of a, b and a_rate in q and in v at the end of a step ``h``.
 
     b is moved by ``recentring``; the acceleration continues at its rate for the time ``horizon``.

@@ -13,7 +13,7 @@ they face it.
 """
 
 import math
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from rope_model.method.mesh_error import length_for
 from rope_model.method.step_control import BRAKED
@@ -115,7 +115,13 @@ def pumped_grading(scene: Scene) -> Scalar:
     return g * (wavelength * wavelength) * (1.0 + (PUMPED_GROWTH / growth) ** 4)
 
 
-def divider_positions(scene: Scene, left: Scalar, right: Scalar) -> tuple[Scalar, ...]:
+#: positions of dividers on a rope that none may press: of each, on the left and the right leg
+NO_DIVIDERS = (math.inf,) * 8
+
+
+def divider_positions(
+    scene: Scene, left: Scalar, right: Scalar
+) -> Annotated[tuple[Scalar, ...], len(NO_DIVIDERS)]:
     """Return the arc lengths (m) from the ends, at these heights, at which each divider may press a leg (8,).
 
     Left and right leg alternate; infinite where the divider does not hold the leg, or is far from

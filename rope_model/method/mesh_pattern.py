@@ -1,4 +1,4 @@
-"""Pattern of TMN-ETM: lengths of its segments and conditions of its transformations; codegen.rules makes the C of it.
+"""Pattern of TMN-ETM: lengths of its segments and conditions of its transformations.
 
 ``counts`` are the elements of segments II to VI, lengths are in units of l.  A ``pattern`` has the
 counts of all seven segments and l as ``coarse``, all 0 for EEM.
@@ -18,6 +18,7 @@ from rope_model.physics.elementary import (
     minimum,
     where,
 )
+from rope_model.solver_parameters import INNER_SEGMENTS
 
 #: m, distance before the limit at which a transformation is made, because of rounding
 DUE_EARLY = 1e-7
@@ -29,7 +30,7 @@ WINDOW_DUE = 1.6  #: distance (l) at which the window moves: more than half of t
 
 
 #: elements of segments II to VI
-InnerCounts: TypeAlias = Annotated[Vector, 5]
+InnerCounts: TypeAlias = Annotated[Vector, int, len(INNER_SEGMENTS)]
 
 
 class Pattern(Protocol):
@@ -102,4 +103,3 @@ MAX_OVERSHOOT = 0.25
 #: to spare
 LEG_LENGTHS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 GRADING = 2  #: least distance of an element of m l from segments II to VI over (m - 1) l
-NO_DIVIDERS = (math.inf,) * 8  #: positions of dividers on a rope that none may press

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from rope_model.arrays import Array
 from rope_model.method import mesh_pattern as tmn
-from rope_model.method.mesh_pattern import NO_DIVIDERS
+from rope_model.method.mesh_fit import NO_DIVIDERS
 from rope_model.physics.node import arc_lengths
 
 

@@ -1,6 +1,6 @@
 """Constants and formulas of the search for the rope at rest."""
 
-from rope_model.physics.elementary import TINY, Scalar, less, maximum
+from rope_model.physics.elementary import SMALLEST_DIVISOR, Scalar, less, maximum
 
 #: last full Newton correction in ``system.norm``, over the rope's length
 REST_TOLERANCE = 1e-11
@@ -43,7 +43,9 @@ def relaxation(change: Scalar, last: Scalar) -> Scalar:
     The part w of a correction that multiplies the error by i r changes its square by (1 - w)^2 + (w
     r)^2.
     """
-    return 1.0 / (1.0 + maximum((change - (1.0 - last) ** 2) / maximum(last * last, TINY), 0.0))
+    return 1.0 / (
+        1.0 + maximum((change - (1.0 - last) ** 2) / maximum(last * last, SMALLEST_DIVISOR), 0.0)
+    )
 
 
 FLOOR_STEP = 0.25  #: m, by which the floor rises beneath a rope that is laid down on it

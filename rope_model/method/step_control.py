@@ -17,7 +17,7 @@ from typing import NamedTuple
 from rope_model.method.step_errors import ErrorSums, end_force_error, flow_error, wave_duration
 from rope_model.parameters import Scene
 from rope_model.physics.elementary import (
-    TINY,
+    SMALLEST_DIVISOR,
     Scalar,
     ceil,
     less,
@@ -83,7 +83,7 @@ def step_limits(
     strain = rope.mass_per_length * scene.layout.gravity * leg / rope.Qa
     shortest = sqrt(allowed / (BRAKED * error_constant * (omega * omega * omega)))
     longest_squared = (
-        FLOW_FRACTION * accuracy.loop / maximum(flow_error(scene, end_speed, 1.0), TINY)
+        FLOW_FRACTION * accuracy.loop / maximum(flow_error(scene, end_speed, 1.0), SMALLEST_DIVISOR)
     )
     rubs = less(rope.EI, rope.EI_stick)
     powers = where(rubs, RUBBING_POSITION_POWER, 1.0), where(rubs, RUBBING_STRAIN_POWER, 1.0)

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from rope_model.method.mesh_error import mesh_error
 from rope_model.parameters import Rope, Scene
-from rope_model.physics.elementary import TINY, Scalar, cos, maximum, sin, sqrt
+from rope_model.physics.elementary import SMALLEST_DIVISOR, Scalar, cos, maximum, sin, sqrt
 from rope_model.physics.estimates import axial_frequency, bending_length
 
 #: total phase error of a wave over that by the strain alone: its rate is not measured
@@ -118,8 +118,8 @@ def end_force_error(rope: Rope, sums: ErrorSums) -> Scalar:
     return (
         RATE_ERROR_FACTOR
         * rope.Qa
-        * sqrt(squares / maximum(sums.time, TINY))
-        / maximum(sums.force, TINY)
+        * sqrt(squares / maximum(sums.time, SMALLEST_DIVISOR))
+        / maximum(sums.force, SMALLEST_DIVISOR)
     )
 
 

@@ -1,4 +1,4 @@
-"""Friction of a swivel in each phase, and the event function of a phase; codegen.rules makes the C of it.
+"""Friction of a swivel in each phase, and the event function of a phase; codegen.formulas lists what C has of it.
 
 ``swivel_state`` is its SwivelState, ``constraint_moment`` the moment (N m) with which the
 conveyance would hold the rope's end, and ``rate`` that of the swivel's angle (rad/s).
@@ -9,7 +9,14 @@ from enum import Enum
 from typing import NamedTuple
 
 from rope_model.parameters import Swivel
-from rope_model.physics.elementary import TINY, Scalar, logical_and, logical_or, maximum, where
+from rope_model.physics.elementary import (
+    SMALLEST_DIVISOR,
+    Scalar,
+    logical_and,
+    logical_or,
+    maximum,
+    where,
+)
 from rope_model.physics.swivel import Friction, friction_law, friction_moment
 
 #: of the tension times the mean diameter, excess of a moment over the static limit that is
@@ -67,7 +74,7 @@ def beyond_rest(swivel: Swivel, tension: Scalar, constraint_moment: Scalar) -> S
     static = friction_moment(bearing_friction(swivel, swivel.mu_static), tension)
     holds = where(frictionless(swivel), 0.0, static)
     limit = holds + MOMENT_RESOLUTION * swivel.mean_diameter * abs(tension)
-    return abs(constraint_moment) / maximum(limit, TINY) - 1.0
+    return abs(constraint_moment) / maximum(limit, SMALLEST_DIVISOR) - 1.0
 
 
 def moment_of_swivel(

@@ -6,7 +6,7 @@ is across the rope,
     f = -1/2 rho_a c_d d |w_n| w_n
 
 the drag of a cylinder in cross flow; flow along the rope and vortices are left out.  |w_n| is
-rounded off below ROUNDING, where the force is negligible.
+rounded off below SMOOTHED_SPEED, where the force is negligible.
 
 The vertical wind is uniform.  The horizontal wind blows everywhere, or where a gallery of height h
 opens at the height y0, with the fraction c of its speed:
@@ -34,14 +34,16 @@ The tangent -df/dv is symmetric: it leaves out the turning of t and the gradient
 on numbers and CasADi expressions; vectors have their components first.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple, get_args, get_type_hints
 
 from rope_model.physics.elementary import Scalar, Vector, dot, sqrt, where
 from rope_model.shaft_parameters import Air
 
 #: m/s, speed below which |w_n| is rounded off
-ROUNDING = 1e-6
+SMOOTHED_SPEED = 1e-6
 #: m, width of the edge of a flow from a gallery [assumed]
 EDGE = 0.5
 
@@ -58,11 +60,27 @@ class AirCoefficients(NamedTuple):
     cross_height: float  # height of the gallery's mouth
 
     def numbers(self) -> list[Scalar]:
-        """Return the coefficients in order, the velocity as three numbers: the beginning of A."""
+        """Return the coefficients in order, a vector as its components: the beginning of A."""
         numbers: list[Scalar] = []
         for value in self:
             numbers += value if isinstance(value, tuple) else (value,)
         return numbers
+
+    @staticmethod
+    def from_numbers(numbers: Vector) -> AirCoefficients:
+        """Return the coefficients whose ``numbers`` these are."""
+        values: list[Any] = []
+        first = 0
+        for length in COEFFICIENT_LENGTHS:
+            stop = first + max(length, 1)
+            part = tuple(numbers[k] for k in range(first, stop))
+            values.append(part if length else part[0])
+            first = stop
+        return AirCoefficients._make(values)
+
+
+#: numbers of components of the coefficients, 0 of one that is no vector
+COEFFICIENT_LENGTHS = tuple(len(get_args(of)) for of in get_type_hints(AirCoefficients).values())
 
 
 class Passing(NamedTuple):
@@ -137,7 +155,7 @@ def drag(
     square = dot(slope, slope)
     along = dot(relative, slope) / square
     across = [relative[i] - along * slope[i] for i in range(3)]
-    size = sqrt(dot(across, across) + ROUNDING**2)
+    size = sqrt(dot(across, across) + SMOOTHED_SPEED**2)
     force = [-air.factor * size * x for x in across]
     normal = [[float(i == j) - slope[i] * slope[j] / square for j in range(3)] for i in range(3)]
     return force, [

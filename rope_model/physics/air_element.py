@@ -3,7 +3,7 @@
 An element integrates the drag f with the cubic Hermite shapes N of r over the four Gauss points of
 physics.hermite:
 
-    R -= int N^T f dx,   J += int N^T (-cv df/dv) N dx
+    R -= int N^T f dx,   J += int N^T (-c_v df/dv) N dx
 
 The power that the rope gives to the air is -f . r_t; it is negative where the wind drives the rope.
 """
@@ -15,24 +15,24 @@ from typing import NamedTuple
 import casadi as ca
 
 from rope_model.physics import hermite
-from rope_model.physics.air import AirCoefficients, Passing, drag, flow
-from rope_model.physics.element import (
-    ELEMENT_DOF,
-    NODE_DOF,
-    PARAMETERS,
-    ElementFidelity,
-    ElementFunctions,
-)
+from rope_model.physics.air import COEFFICIENT_LENGTHS, AirCoefficients, Passing, drag, flow
+from rope_model.physics.element import ELEMENT_DOF, PARAMETERS, ElementFidelity, ElementFunctions
 from rope_model.physics.elementary import Scalar, Vector, cross, dot
+from rope_model.physics.node import NODE_DOF
 
-#: numbers of AirCoefficients, whose velocity has three; AIR_SIZE includes both conveyances
-COEFFICIENTS_SIZE = len(AirCoefficients._fields) + 2
-AIR_SIZE = COEFFICIENTS_SIZE + 2 * 4
+#: numbers of AirCoefficients
+COEFFICIENTS_SIZE = sum(max(length, 1) for length in COEFFICIENT_LENGTHS)
+PASSING_SIZE = 4  #: numbers of a Passing
+AIR_SIZE = COEFFICIENTS_SIZE + 2 * PASSING_SIZE
 #: entries of the balance behind element.BALANCE
 AIR_BALANCE = (
     "given_to_air",  # W
-    *("air_fx", "air_fy", "air_fz"),  # N, on the rope
-    *("air_mx", "air_my", "air_mz"),  # N m, about the origin
+    "air_fx",  # N, on the rope
+    "air_fy",
+    "air_fz",
+    "air_mx",  # N m, about the origin
+    "air_my",
+    "air_mz",
 )
 
 
@@ -40,7 +40,7 @@ class AirFunctions(NamedTuple):
     """CasADi functions of the air on an element; ``A`` contains AirCoefficients and both Passing conveyances.
 
     residual: (q, v, l, A) -> R (2 m,)
-    tangent:  (q, v, l, A, cv) -> J (2 m, 2 m)
+    tangent:  (q, v, l, A, c_v) -> J (2 m, 2 m)
     sums:     (q, v, l, A) -> AIR_BALANCE
     """
 
@@ -57,7 +57,7 @@ def air_functions(fidelity: ElementFidelity) -> AirFunctions:
     symbols = [ca.SX.sym(name, len(entries)) for name in "qv"]
     l = ca.SX.sym("l")
     A = ca.SX.sym("A", AIR_SIZE)
-    cv = ca.SX.sym("cv")
+    c_v = ca.SX.sym("c_v")
     q, v = (ca.SX.zeros(2 * NODE_DOF) for _ in symbols)
     for x, symbol in zip((q, v), symbols, strict=True):
         x[entries] = symbol
@@ -77,11 +77,11 @@ def air_functions(fidelity: ElementFidelity) -> AirFunctions:
         for row, (i, N_i) in nodes.items():
             R[row] -= w * N_i * force[i]
             for column, (j, N_j) in nodes.items():
-                J[row, column] += cv * w * N_i * N_j * tangent[i][j]
+                J[row, column] += c_v * w * N_i * N_j * tangent[i][j]
     inputs = [*symbols, l, A]
     return AirFunctions(
         ca.Function("air_residual", inputs, [ca.cse(R[entries])]),
-        ca.Function("air_tangent", [*inputs, cv], [ca.cse(J[entries, entries])]),
+        ca.Function("air_tangent", [*inputs, c_v], [ca.cse(J[entries, entries])]),
         ca.Function("air_sums", inputs, [ca.cse(sums)]),
     )
 
@@ -95,16 +95,16 @@ def air_element(fidelity: ElementFidelity, base: ElementFunctions) -> ElementFun
     l = ca.SX.sym("l")
     F = ca.SX.sym("F", base.residual.size1_in(4))
     P = ca.SX.sym("P", len(PARAMETERS) + AIR_SIZE)
-    cq, cv, c_a = (ca.SX.sym(name) for name in ("cq", "cv", "ca"))
+    c_q, c_v, c_a = (ca.SX.sym(name) for name in ("c_q", "c_v", "c_a"))
     base_args = (l, F, P[: len(PARAMETERS)])
     air_inputs = (q, v, l, P[len(PARAMETERS) :])
-    R, J = base.tangent(q, v, a, *base_args, cq, cv, c_a, q_prestress)
+    R, J = base.tangent(q, v, a, *base_args, c_q, c_v, c_a, q_prestress)
     force = air.residual(*air_inputs)
     return base.replaced(
         residual=([q, v, a, l, F, P], [base.residual(q, v, a, *base_args) + force]),
         tangent=(
-            [q, v, a, l, F, P, cq, cv, c_a, q_prestress],
-            [R + force, J + air.tangent(*air_inputs, cv)],
+            [q, v, a, l, F, P, c_q, c_v, c_a, q_prestress],
+            [R + force, J + air.tangent(*air_inputs, c_v)],
         ),
         balance=(
             [q, v, l, F, P],
@@ -116,10 +116,9 @@ def air_element(fidelity: ElementFidelity, base: ElementFunctions) -> ElementFun
 
 
 def _numbers(A: Vector) -> tuple[AirCoefficients, list[Passing]]:
-    air = AirCoefficients(A[0], (A[1], A[2], A[3]), *A[4:COEFFICIENTS_SIZE])
-    return air, [
+    return AirCoefficients.from_numbers(A), [
         Passing((A[k], A[k + 1], A[k + 2]), A[k + 3])
-        for k in (COEFFICIENTS_SIZE, COEFFICIENTS_SIZE + 4)
+        for k in (COEFFICIENTS_SIZE, COEFFICIENTS_SIZE + PASSING_SIZE)
     ]
 
 

@@ -12,7 +12,7 @@ from rope_model.physics.element import BALANCE, ElementFunctions
 
 _BENDING = BALANCE.index("bending")
 #: function of q, l, F of the other element and the numbers behind it; the last argument of the
-#: tangent is cq
+#: tangent is c_q
 Part = Callable[..., Any]
 
 
@@ -27,10 +27,10 @@ def bending_element(
     l = ca.SX.sym("l")
     F = ca.SX.sym("F", frame + size)
     P = ca.SX.sym("P", base.residual.size1_in(5))
-    cq, cv, c_a = (ca.SX.sym(name) for name in ("cq", "cv", "ca"))
+    c_q, c_v, c_a = (ca.SX.sym(name) for name in ("c_q", "c_v", "c_a"))
     base_F = F[:frame]
     numbers = F[frame:]
-    R, J = base.tangent(q, v, a, l, base_F, P, cq, cv, c_a, q_prestress)
+    R, J = base.tangent(q, v, a, l, base_F, P, c_q, c_v, c_a, q_prestress)
     added = force(q, l, base_F, numbers)
     balance = base.balance(q, v, l, base_F, P)
     balance[_BENDING] += energy(q, l, base_F, numbers)
@@ -38,8 +38,8 @@ def bending_element(
     return base.replaced(
         residual=([q, v, a, l, F, P], [base.residual(q, v, a, l, base_F, P) + added]),
         tangent=(
-            [q, v, a, l, F, P, cq, cv, c_a, q_prestress],
-            [R + added, J + tangent(q, l, base_F, numbers, cq)],
+            [q, v, a, l, F, P, c_q, c_v, c_a, q_prestress],
+            [R + added, J + tangent(q, l, base_F, numbers, c_q)],
         ),
         balance=([q, v, l, F, P], [balance]),
         losses=([q, v, l, F, P], [base.losses(q, v, l, base_F, P)]),

@@ -5,12 +5,14 @@ Works on numbers, numpy arrays and CasADi expressions; vectors have their compon
 
 import math
 from functools import reduce
-from typing import Protocol
+from typing import Annotated, Protocol
 
 from rope_model.parameters import Layout
 from rope_model.physics.elementary import (
     Scalar,
     Vector,
+    Vector2,
+    Vector3,
     atan2,
     cos,
     dot,
@@ -20,6 +22,7 @@ from rope_model.physics.elementary import (
     sin,
 )
 from rope_model.physics.hermite import interpolate
+from rope_model.physics.node import PointRow
 
 
 class SuspensionPoint(Protocol):
@@ -35,7 +38,7 @@ class SuspensionPoint(Protocol):
 
 def suspension_points(
     layout: Layout, left: SuspensionPoint, right: SuspensionPoint
-) -> tuple[tuple[Scalar, ...], tuple[Scalar, ...]]:
+) -> Annotated[tuple[tuple[Scalar, ...], tuple[Scalar, ...]], 2, 3]:
     """Return the suspension points (2, 3) of ends whose motions count from their nominal points."""
     half = 0.5 * layout.spacing
     return (-half + left.x, left.y, left.z), (half + right.x, right.y, right.z)
@@ -52,7 +55,7 @@ def sample_s(bottom_s: Scalar, reach: Scalar, fraction: Scalar, loop: Scalar) ->
     return bottom_s + reach * (even * fraction + (1.0 - even) * (square * square))
 
 
-def squared_distance(point: Vector, start: Vector, along: Vector) -> Scalar:
+def squared_distance(point: Vector3, start: Vector3, along: Vector3) -> Scalar:
     """Return the squared distance (m^2) of ``point`` from the straight piece from ``start`` along ``along``."""
     across = point[0] - start[0], point[1] - start[1], point[2] - start[2]
     fraction = minimum(maximum(dot(across, along) / dot(along, along), 0.0), 1.0)
@@ -62,19 +65,21 @@ def squared_distance(point: Vector, start: Vector, along: Vector) -> Scalar:
     return x * x + y * y + z * z
 
 
-def min_squared_distance(a: Vector, b: Vector) -> Scalar:
+def min_squared_distance(a: PointRow, b: PointRow) -> Scalar:
     """Return a lower bound (m^2) of ``squared_distance`` between boxes (lowest, highest coordinates), even rounded."""
     x, y, z = (maximum(maximum(a[k] - b[3 + k], b[k] - a[3 + k]), 0.0) for k in range(3))
     return (1.0 - 1e-9) * (x * x + y * y + z * z)
 
 
-def middle(length: Scalar, a: Vector, b: Vector) -> tuple[Scalar, ...]:
+def middle(length: Scalar, a: PointRow, b: PointRow) -> Annotated[tuple[Scalar, ...], 6]:
     """Return position and r' (6,) midway between two points of an element with theirs, ``length`` (m) apart."""
     values = [interpolate(0.5, length, a[k], a[3 + k], b[k], b[3 + k]) for k in range(3)]
     return (*(r for r, _ in values), *(d for _, d in values))
 
 
-def position_at(xi: Scalar, length: Scalar, a: Vector, b: Vector) -> tuple[Scalar, ...]:
+def position_at(
+    xi: Scalar, length: Scalar, a: PointRow, b: PointRow
+) -> Annotated[tuple[Scalar, ...], 3]:
     """Return the position (3,) at ``xi``, 0 to 1, between two points of an element with r', ``length`` (m) apart."""
     return tuple(interpolate(xi, length, a[k], a[3 + k], b[k], b[3 + k])[0] for k in range(3))
 
@@ -98,13 +103,13 @@ def upper_bound(
     return maximum(maximum(known, b), maximum(a + third * slope_a, b - third * slope_b))
 
 
-def box_between(bounds: Vector) -> tuple[Scalar, ...]:
+def box_between(bounds: Annotated[Vector, 6]) -> Annotated[tuple[Scalar, ...], 6]:
     """Return centre and half widths (6,) of the upright box with these lowest and highest coordinates (6,)."""
     pairs = [(bounds[k], bounds[3 + k]) for k in range(3)]
     return (*(0.5 * (x + y) for x, y in pairs), *(0.5 * (y - x) for x, y in pairs))
 
 
-def enclosing_box(length: Scalar, a: Vector, b: Vector) -> tuple[Scalar, ...]:
+def enclosing_box(length: Scalar, a: PointRow, b: PointRow) -> Annotated[tuple[Scalar, ...], 6]:
     """Return centre and half widths (6,) of an upright box that contains the cubic between ``a`` and ``b``."""
     bounds = [
         of(a[k], length, a[k], a[3 + k], b[k], b[3 + k])
@@ -119,13 +124,13 @@ def heading(yaw: Scalar) -> tuple[Scalar, Scalar]:
     return cos(yaw), -sin(yaw)
 
 
-def line_yaw(left: Vector, right: Vector) -> Scalar:
+def line_yaw(left: Vector3, right: Vector3) -> Scalar:
     """Return the yaw (rad) of the line from the left to the right end."""
     return atan2(left[2] - right[2], right[0] - left[0])
 
 
 def plane_between(
-    left: Vector, right: Vector, start: Vector, direction: Vector
+    left: Vector3, right: Vector3, start: Vector3, direction: Vector2
 ) -> tuple[Scalar, Scalar, Scalar]:
     """Return the normal of the plane through ``start``, level across a horizontal ``direction`` (X, Z).
 
@@ -160,11 +165,11 @@ def margin(point: Vector, lowest_point: Vector, diameter: Scalar, above: Scalar)
 def side_gap(
     side: Scalar,
     length: Scalar,
-    outer: Vector,
-    inner: Vector,
+    outer: PointRow,
+    inner: PointRow,
     top: Scalar,
-    start: Vector,
-    normal: Vector,
+    start: Vector3,
+    normal: Vector3,
     diameter: Scalar,
     above: Scalar,
 ) -> Scalar:
@@ -182,7 +187,7 @@ def side_gap(
     return reduce(minimum, (*gaps, *(top - x[1] for x in points)))
 
 
-def min_slope(length: Scalar, a: Vector, b: Vector, direction: Vector) -> Scalar:
+def min_slope(length: Scalar, a: PointRow, b: PointRow, direction: Vector2) -> Scalar:
     """Return a lower bound of the slope, in a horizontal ``direction``, of the cubic between two points.
 
     They are ``length`` (m) apart and come with their r'; the slope's lowest control point is that bound.
@@ -200,7 +205,7 @@ def turns(yaw: Scalar, line: Scalar, passages: Scalar) -> Scalar:
     return (yaw - line) / (2.0 * math.pi) - passages
 
 
-def angle_between(before: Vector, after: Vector) -> Scalar:
+def angle_between(before: Vector2, after: Vector2) -> Scalar:
     """Return the angle (rad) about Y from one horizontal vector (X, Z) to another."""
     return atan2(
         before[1] * after[0] - before[0] * after[1], before[0] * after[0] + before[1] * after[1]

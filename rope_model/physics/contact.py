@@ -19,7 +19,17 @@ surface's curvature.  Works on numbers and CasADi expressions; vectors have thei
 
 from typing import NamedTuple
 
-from rope_model.physics.elementary import Scalar, Vector, cross, dot, less, maximum, minimum, sqrt
+from rope_model.physics.elementary import (
+    Scalar,
+    Vector3,
+    cross,
+    dot,
+    less,
+    maximum,
+    minimum,
+    sqrt,
+)
+from rope_model.physics.node import PointRow
 from rope_model.physics.shaft import Body, distance, normal
 from rope_model.shaft_parameters import Contact
 
@@ -34,7 +44,7 @@ CONTACT_MARGIN = 0.05
 SUMS = ("energy", "dissipated", "moved", "fx", "fy", "fz", "mx", "my", "mz", "pressure")
 
 
-def largest_motion(longest: Scalar, q: Vector, before: Vector) -> Scalar:
+def largest_motion(longest: Scalar, q: PointRow, before: PointRow) -> Scalar:
     """Return a bound (m) of the change of the rope's distance from a body or itself: its maximum over all nodes.
 
     The node's row r, r' changes from ``before`` to ``q``.  No point of an element moves by more
@@ -71,15 +81,15 @@ def contact_law(
     contact: ContactLaw | Contact,
     diameter: Scalar,
     body: Body,
-    body_velocity: Vector,
-    point: Vector,
-    velocity: Vector,
-    cq: Scalar,
-    cv: Scalar,
+    body_velocity: Vector3,
+    point: Vector3,
+    velocity: Vector3,
+    c_q: Scalar,
+    c_v: Scalar,
 ) -> ContactTerms:
     """Return the contact of the centre line at ``point`` with a body, per length, for their velocities (m/s).
 
-    The tangent is that with respect to (cq, cv) times position and velocity.
+    The tangent is that with respect to (c_q, c_v) times position and velocity.
     """
     n = normal(point, body)
     onset = ONSET * diameter
@@ -102,10 +112,12 @@ def contact_law(
         pressure * n[2] - drag * u[2],
     )
 
-    normal_stiffness = cq * damped * contact.stiffness * soft / onset
-    normal_stiffness = normal_stiffness + cv * (less(0.0, damped) * contact.damping * spring - drag)
-    softening = cv * drag / (slip * slip)
-    viscous = cv * drag
+    normal_stiffness = c_q * damped * contact.stiffness * soft / onset
+    normal_stiffness = normal_stiffness + c_v * (
+        less(0.0, damped) * contact.damping * spring - drag
+    )
+    softening = c_v * drag / (slip * slip)
+    viscous = c_v * drag
     pairs = ((i, j) for i in range(3) for j in range(i, 3))
     xx, xy, xz, yy, yz, zz = (
         normal_stiffness * n[i] * n[j] - softening * u[i] * u[j] for i, j in pairs

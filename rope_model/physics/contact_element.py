@@ -3,7 +3,7 @@
 Where the element is near a body, the force per length is integrated along the pressed part of the
 centre line (physics.contact_points):
 
-    R -= int N^T f dx,   J += int N^T (-cq df/dr - cv df/dv) N dx
+    R -= int N^T f dx,   J += int N^T (-c_q df/dr - c_v df/dv) N dx
 
 with the cubic Hermite shapes N of r.
 """
@@ -26,8 +26,12 @@ CONTACT_BALANCE = (
     "contact",  # J, stored where bodies press the rope
     "contact_dissipated",  # W, never negative
     "contact_moved",  # W, power of moving bodies on the rope
-    *("contact_fx", "contact_fy", "contact_fz"),  # N, on the rope
-    *("contact_mx", "contact_my", "contact_mz"),  # N m, about the origin
+    "contact_fx",  # N, on the rope
+    "contact_fy",
+    "contact_fz",
+    "contact_mx",  # N m, about the origin
+    "contact_my",
+    "contact_mz",
     *KINDS,  # N, sums of the pressure
 )
 
@@ -50,7 +54,7 @@ def contact_element(
     l = ca.MX.sym("l")
     F = ca.MX.sym("F", base_frame + bodies)
     P = ca.MX.sym("P", base_size + len(LAW) + bodies * BODY_SIZE)
-    cq, cv, c_a = (ca.MX.sym(name) for name in ("cq", "cv", "ca"))
+    c_q, c_v, c_a = (ca.MX.sym(name) for name in ("c_q", "c_v", "c_a"))
     base_args = (F[:base_frame], P[:base_size])
     is_near = ca.sum1(F[base_frame:]) > 0
     R, J, sums = _integrals(ELEMENT_DOF[fidelity], kinds)
@@ -58,13 +62,13 @@ def contact_element(
     def added(function: ca.Function, *factors: Scalar) -> ca.MX:
         return _where_near(function)(is_near, q, v, l, F[base_frame:], P[base_size:], *factors)
 
-    R_base, J_base = base.tangent(q, v, a, l, *base_args, cq, cv, c_a, q_prestress)
+    R_base, J_base = base.tangent(q, v, a, l, *base_args, c_q, c_v, c_a, q_prestress)
     balance = added(sums)
     return base.replaced(
         residual=([q, v, a, l, F, P], [base.residual(q, v, a, l, *base_args) + added(R)]),
         tangent=(
-            [q, v, a, l, F, P, cq, cv, c_a, q_prestress],
-            [R_base + added(R), J_base + added(J, cq, cv)],
+            [q, v, a, l, F, P, c_q, c_v, c_a, q_prestress],
+            [R_base + added(R), J_base + added(J, c_q, c_v)],
         ),
         balance=([q, v, l, F, P], [ca.vertcat(base.balance(q, v, l, *base_args), balance)]),
         losses=([q, v, l, F, P], [ca.vertcat(base.losses(q, v, l, *base_args), balance[1:3])]),
@@ -77,15 +81,15 @@ def contact_element(
 def _integrals(
     dofs: tuple[int, ...], kinds: tuple[int, ...]
 ) -> tuple[ca.Function, ca.Function, ca.Function]:
-    """Build (q, v, l, near, P) -> R (2 m,), the same with (cq, cv) -> J (2 m, 2 m), and -> sums of CONTACT_BALANCE."""
+    """Build (q, v, l, near, P) -> R (2 m,), the same and (c_q, c_v) -> J (2 m, 2 m), and -> CONTACT_BALANCE."""
     m = len(dofs)
     q = ca.MX.sym("q", 2 * m)
     v = ca.MX.sym("v", 2 * m)
     l = ca.MX.sym("l")
     near = ca.MX.sym("near", len(kinds))
     P = ca.MX.sym("P", len(LAW) + len(kinds) * BODY_SIZE)
-    cq = ca.MX.sym("cq")
-    cv = ca.MX.sym("cv")
+    c_q = ca.MX.sym("c_q")
+    c_v = ca.MX.sym("c_v")
     # index in the element of component i of node value k, which is r or r' of a node
     index = {dof: i for i, dof in enumerate(dofs) if dof < 6}
     entries = {
@@ -114,7 +118,7 @@ def _integrals(
         force += terms[0]
         sums[: len(SUMS) - 1] += terms[1][:-1]
         sums[len(SUMS) - 1 + kind] += terms[1][-1]
-        stiff += _where_near(_body_function(True))(near[k] > 0, *inputs, cq, cv)
+        stiff += _where_near(_body_function(True))(near[k] > 0, *inputs, c_q, c_v)
     R = ca.MX.zeros(2 * m)
     J = ca.MX(2 * m, 2 * m)
     for (i, k), row in entries.items():
@@ -123,7 +127,7 @@ def _integrals(
             J[row, column] = stiff[_upper(i, j, 3), _upper(k, n, 4)]
     return (
         ca.Function("contact_residual", [q, v, l, near, P], [R]),
-        ca.Function("contact_tangent", [q, v, l, near, P, cq, cv], [ca.densify(J)]),
+        ca.Function("contact_tangent", [q, v, l, near, P, c_q, c_v], [ca.densify(J)]),
         ca.Function("contact_sums", [q, v, l, near, P], [sums]),
     )
 
@@ -145,14 +149,14 @@ def _upper(i: int, j: int, size: int) -> int:
 def _body_function(stiff: bool) -> ca.Function:
     """Build (rows (3, 4), speeds (3, 4), l, P) -> force on the node values (3, 4) and SUMS of one body.
 
-    With (cq, cv) it is the tangent: entries of (3, 3), upper half, in columns for pairs of node
+    With (c_q, c_v) it is the tangent: entries of (3, 3), upper half, in columns for pairs of node
     values, upper half.
     """
     rows = ca.MX.sym("r", 3, 4)
     speeds = ca.MX.sym("v", 3, 4)
     l = ca.MX.sym("l")
     P = ca.MX.sym("P", len(LAW) + BODY_SIZE)
-    c = [ca.MX.sym("cq"), ca.MX.sym("cv")] if stiff else []
+    c = [ca.MX.sym("c_q"), ca.MX.sym("c_v")] if stiff else []
     probe_at, halve, _ = _search_functions()
     start = ca.MX.sym("start")
     stop = ca.MX.sym("stop")
@@ -185,7 +189,7 @@ def _cell_function(stiff: bool) -> ca.Function:
     speeds = ca.MX.sym("v", 3, 4)
     l = ca.MX.sym("l")
     P = ca.MX.sym("P", len(LAW) + BODY_SIZE)
-    c = [ca.MX.sym("cq"), ca.MX.sym("cv")] if stiff else []
+    c = [ca.MX.sym("c_q"), ca.MX.sym("c_v")] if stiff else []
     reach = _search_functions()[2]
     pieces = []
     for side in (0, 1):
@@ -202,7 +206,7 @@ def _cell_function(stiff: bool) -> ca.Function:
                 deeper[1] <= level, deeper[0], ca.if_else(other[1] >= level, other[0], reached)
             )
             pieces += [
-                contact_points.point_in(*point, start, stop)
+                contact_points.contact_point(*point, start, stop)
                 for point in zip(contact_points.PARTS, contact_points.WEIGHTS, strict=True)
             ]
             start = stop
@@ -286,16 +290,16 @@ def _body(x: Any) -> tuple[Body, Any]:
 
 @cache
 def _touch_functions() -> tuple[ca.Function, ca.Function]:
-    """Build (point, velocity, P) -> force (3,) and SUMS of one body per length, and with (cq, cv) -> tangent."""
+    """Build (point, velocity, P) -> force (3,) and SUMS of one body per length, and with (c_q, c_v) -> tangent."""
     point = ca.SX.sym("point", 3)
     speed = ca.SX.sym("speed", 3)
     P = ca.SX.sym("P", len(LAW) + BODY_SIZE)
-    cq = ca.SX.sym("cq")
-    cv = ca.SX.sym("cv")
+    c_q = ca.SX.sym("c_q")
+    c_v = ca.SX.sym("c_v")
     entries: list[Any] = ca.vertsplit(P[: len(LAW)])
     law = ContactLaw._make(entries[:-1])
     body, body_velocity = _body(P[len(LAW) :])
-    terms = contact_law(law, entries[-1], body, body_velocity, point, speed, cq, cv)
+    terms = contact_law(law, entries[-1], body, body_velocity, point, speed, c_q, c_v)
     return (
         ca.Function(
             "contact_law",
@@ -303,6 +307,6 @@ def _touch_functions() -> tuple[ca.Function, ca.Function]:
             ca.cse([ca.vertcat(*terms.force), ca.vertcat(*terms.sums)]),
         ),
         ca.Function(
-            "touch_tangent", [point, speed, P, cq, cv], [ca.cse(ca.vertcat(*terms.tangent))]
+            "touch_tangent", [point, speed, P, c_q, c_v], [ca.cse(ca.vertcat(*terms.tangent))]
         ),
     )

@@ -16,11 +16,11 @@ and of the loop's position are proportional to it.  Works on numbers and CasADi 
 """
 
 import math
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from rope_model.parameters import Scene
 from rope_model.physics.elementary import (
-    TINY,
+    SMALLEST_DIVISOR,
     Scalar,
     Vector,
     hypot,
@@ -52,7 +52,11 @@ class ContactSums(NamedTuple):
 
 
 def add_contact(
-    scene: Scene, sums: ContactSums, h: Scalar, pressures: Vector, longest: Scalar
+    scene: Scene,
+    sums: ContactSums,
+    h: Scalar,
+    pressures: Annotated[Vector, len(KINDS) + 1],
+    longest: Scalar,
 ) -> ContactSums:
     """Return ``sums`` after a step ``h`` with the ``pressures`` (6,) of KINDS and of the rope on itself in its middle.
 
@@ -81,7 +85,9 @@ def delay(scene: Scene, length: Scalar) -> Scalar:
     rope = scene.rope
     tension = _tension(scene)
     stiff = tension * (length * length) + rope.EI * math.pi**2
-    return length * length / (math.pi * sqrt(maximum(stiff / rope.mass_per_length, TINY)))
+    return (
+        length * length / (math.pi * sqrt(maximum(stiff / rope.mass_per_length, SMALLEST_DIVISOR)))
+    )
 
 
 def length_for(scene: Scene, tau: Scalar) -> Scalar:
@@ -102,13 +108,18 @@ def _tension(scene: Scene) -> Scalar:
 
 def contact_error(sums: ContactSums) -> Scalar:
     """Return the error of the bodies' pressure, root mean square during contact, relative to the largest pressure."""
-    return sqrt(sums.square / maximum(sums.time, TINY)) / maximum(sums.largest, TINY)
+    return sqrt(sums.square / maximum(sums.time, SMALLEST_DIVISOR)) / maximum(
+        sums.largest, SMALLEST_DIVISOR
+    )
 
 
 def add_contact_end_error(error: Scalar, sums: ContactSums, time: Scalar, force: Scalar) -> Scalar:
     """Add the error by contact in ``time`` (s) to the ``error`` of the end forces over the largest ``force`` (N)."""
     return hypot(
-        error, TO_END_FORCES * sqrt(sums.square / maximum(time, TINY)) / maximum(force, TINY)
+        error,
+        TO_END_FORCES
+        * sqrt(sums.square / maximum(time, SMALLEST_DIVISOR))
+        / maximum(force, SMALLEST_DIVISOR),
     )
 
 

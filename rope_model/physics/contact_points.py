@@ -18,8 +18,9 @@ tangent.  Works on numbers and CasADi expressions; a and b are the rows r, r' of
 from typing import NamedTuple
 
 from rope_model.physics.contact import ONSET
-from rope_model.physics.elementary import Scalar, Vector, dot, less, maximum, unit_sign, where
+from rope_model.physics.elementary import Scalar, dot, less, maximum, unit_sign, where
 from rope_model.physics.hermite import GAUSS, interpolate
+from rope_model.physics.node import PointRow
 from rope_model.physics.shaft import Body, distance, normal
 
 #: parts of an element that are checked one by one: an element in the loop turns by half a radian,
@@ -31,7 +32,7 @@ STEPS = 10  #: Newton steps for a level of the depth
 #: m, tolerance of a depth that is searched for
 DEPTH_TOLERANCE = 1e-12
 #: m, least size of a slope that divides
-TINY = 1e-30
+LEAST_SLOPE = 1e-30
 #: depths, in diameters, at which a piece ends, from the deeper end on
 LEVELS = (ONSET, 0.0)
 PARTS = tuple(x for x, _ in GAUSS)  #: Gauss points of a piece, from its deeper end
@@ -46,7 +47,7 @@ class Probe(NamedTuple):
     rate: float
 
 
-def probe(xi: Scalar, l: Scalar, a: Vector, b: Vector, diameter: Scalar, body: Body) -> Probe:
+def probe(xi: Scalar, l: Scalar, a: PointRow, b: PointRow, diameter: Scalar, body: Body) -> Probe:
     """Return the penetration depth of the element at ``xi``."""
     values = [interpolate(xi, l, a[k], a[3 + k], b[k], b[3 + k]) for k in range(3)]
     point = tuple(r for r, _ in values)
@@ -73,11 +74,11 @@ def reaching(outer: Probe, inner: Scalar, level: Scalar) -> Scalar:
 
 
 def nonzero(x: Scalar) -> Scalar:
-    """Return ``x``, or TINY with its sign."""
-    return unit_sign(x) * maximum(abs(x), TINY)
+    """Return ``x``, or LEAST_SLOPE with its sign."""
+    return unit_sign(x) * maximum(abs(x), LEAST_SLOPE)
 
 
-def point_in(
+def contact_point(
     fraction: Scalar, weight: Scalar, start: Scalar, stop: Scalar
 ) -> tuple[Scalar, Scalar]:
     """Return xi and weight of a Gauss point, which has ``fraction`` and ``weight`` in the unit interval, on a piece."""

@@ -32,17 +32,18 @@ from rope_model.physics.frame import (
     rotate_about_tangent,
     smallest_rotation_rate,
 )
-from rope_model.physics.initial_curvature import TO_POINTS, curvature_vectors
+from rope_model.physics.initial_curvature import TO_POINTS
+from rope_model.physics.node import NODE_DOF
 
 #: number of entries of an element: k0 at its points, angles, and EI
-CURVATURE_SIZE = 3 * len(element.POINTS) + 3
+CURVED_SIZE = 3 * len(element.POINTS) + 3
 
 
 class CurvedFunctions(NamedTuple):
-    """CasADi functions of permanent curvature in an element; ``C`` contains its CURVATURE_SIZE numbers.
+    """CasADi functions of permanent curvature in an element; ``C`` contains its CURVED_SIZE numbers.
 
     residual: (q, l, F, C) -> R (14,)
-    tangent:  (q, l, F, C, cq) -> J (14, 14)
+    tangent:  (q, l, F, C, c_q) -> J (14, 14)
     energy:   (q, l, F, C) -> J
     """
 
@@ -55,11 +56,11 @@ class CurvedFunctions(NamedTuple):
 def curved_functions() -> CurvedFunctions:
     """Build the functions."""
     relative = element.relative_coordinates()
-    q = ca.SX.sym("q", 2 * element.NODE_DOF)
+    q = ca.SX.sym("q", 2 * NODE_DOF)
     l = ca.SX.sym("l")
     F = ca.SX.sym("F", element.FRAME_SIZE)
-    C = ca.SX.sym("C", CURVATURE_SIZE)
-    cq = ca.SX.sym("cq")
+    C = ca.SX.sym("C", CURVED_SIZE)
+    c_q = ca.SX.sym("c_q")
     numbers = ca.vertsplit(C)
     frames = ca.vertsplit(F[:-3], 6)
     before = numbers[-3:-1]
@@ -104,30 +105,13 @@ def curved_functions() -> CurvedFunctions:
     R = relative.T @ R
     U = l * EI * U
     factor = -l * EI
-    J = element.symmetric(cq * factor * (relative.T @ element.symmetric(J) @ relative))
+    J = element.symmetric(c_q * factor * (relative.T @ element.symmetric(J) @ relative))
     inputs = [q, l, F, C]
     return CurvedFunctions(
         ca.Function("curved_residual", inputs, [ca.cse(factor * R)]),
-        ca.Function("curved_tangent", [*inputs, cq], [ca.cse(J)]),
+        ca.Function("curved_tangent", [*inputs, c_q], [ca.cse(J)]),
         ca.Function("curved_energy", inputs, [ca.cse(U)]),
     )
-
-
-@cache
-def curvature_along(elements: int) -> ca.Function:
-    """Build (e1 at the left end, curvature_components, lengths, nodes) -> e1 at the right nodes, k0 at the points (9,).
-
-    Columns belong to elements.
-    """
-    start = ca.SX.sym("start", 3)
-    l = ca.SX.sym("l")
-    nodes = ca.SX.sym("nodes", 2 * element.NODE_DOF)
-    components = ca.SX.sym("components", 2 * len(element.POINTS))
-    *k0, x, y, z = curvature_vectors(components, l, nodes, start)
-    inputs = [start, components, l, nodes]
-    return ca.Function(
-        "curvature_vectors", inputs, [ca.vertcat(x, y, z), ca.vertcat(*k0)]
-    ).mapaccum(elements)
 
 
 def _turn_function() -> ca.Function:
@@ -164,4 +148,4 @@ def _bend_function() -> ca.Function:
 def curved_element(base: element.ElementFunctions) -> element.ElementFunctions:
     """Build the functions of the ``base`` torsional element with permanent curvature."""
     curved = curved_functions()
-    return bending_element(base, CURVATURE_SIZE, curved.residual, curved.tangent, curved.energy)
+    return bending_element(base, CURVED_SIZE, curved.residual, curved.tangent, curved.energy)

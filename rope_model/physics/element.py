@@ -47,8 +47,8 @@ from rope_model.physics import costello
 from rope_model.physics.elementary import Scalar, less, sqrt, where
 from rope_model.physics.frame import FrameRate, smallest_rotation_rate
 from rope_model.physics.hermite import PRODUCTS
+from rope_model.physics.node import NODE_DOF
 
-NODE_DOF = 7
 ElementFidelity = Literal["torsional", "spatial", "planar"]
 #: the degrees of freedom of a node that a fidelity keeps
 ELEMENT_DOF: dict[ElementFidelity, tuple[int, ...]] = {
@@ -105,8 +105,8 @@ def torsional_slowness(rope: Rope) -> Scalar:
     )
 
 
-#: entries of an element's balance, in order
-BALANCE = (
+#: energies of an element, in order
+ENERGIES = (
     "axial",  # J, 1/2 Qa e^2
     "coupling",  # J, Qs e tau
     "torsion",  # J, 1/2 (Qd + Qe e) tau^2
@@ -114,10 +114,13 @@ BALANCE = (
     "kinetic",  # J, translation
     "spin",  # J, rotation about the tangent
     "gravity",  # J, zero at Y = 0
+)
+#: entries of an element's balance: its energies, then powers
+BALANCE = (
+    *ENERGIES,
     "damping_power",  # W, dissipated, never negative
     "nonconservative_power",  # W, taken up by the part of the Costello law that has no energy
 )
-FIRST_POWER = BALANCE.index("damping_power")  #: energies come before it, powers from it on
 #: entries of one element's momentum: linear, angular about the origin, and first moment of the mass
 MOMENTUM = ("px", "py", "pz", "Lx", "Ly", "Lz", "Sx", "Sy", "Sz")
 #: entries of one element's strains: means of e and tau over the element, root mean square of k,
@@ -146,7 +149,7 @@ class ElementFunctions:
     without torsion.
 
     residual:  (q, v, a, l, F, P) -> R (2 m,): inertia + internal - gravity, which external loads must balance
-    tangent:   (q, v, a, l, F, P, cq, cv, ca, q_prestress) -> R, J (2 m, 2 m): J = cq dR/dq + cv dR/dv + ca dR/da,
+    tangent:   (q, v, a, l, F, P, c_q, c_v, ca, q_prestress) -> R, J (2 m, 2 m): J = c_q dR/dq + c_v dR/dv + ca dR/da,
                exact and symmetric at rest if q_prestress is q.  In motion it leaves out how q and v change damping and
                spin inertia.  The axial strains of ``q_prestress`` stiffen the element sideways
     balance:   (q, v, l, F, P) -> BALANCE (9,)
@@ -197,13 +200,13 @@ def element_functions(
     l = x.l
     P = x.P
     F = x.F
-    c = [x.cq, x.cv, x.c_a]
+    c = [x.c_q, x.c_v, x.c_a]
     q, v, a, q_prestress = x.symbols
     return ElementFunctions(
         residual=function("residual", [q, v, a, l, F, P], [R]),
         tangent=function("tangent", [q, v, a, l, F, P, *c, q_prestress], [R, J]),
         balance=function("balance", [q, v, l, F, P], [balance]),
-        losses=function("losses", [q, v, l, F, P], [balance[FIRST_POWER:]]),
+        losses=function("losses", [q, v, l, F, P], [balance[len(ENERGIES) :]]),
         strains=function("strains", [q, v, l, F], [strains]),
         momentum=function("momentum", [q, v, l, P], [momentum]),
         reference=function("reference", [q, l], [reference]),
@@ -224,8 +227,8 @@ class _Arguments(NamedTuple):
     l: ca.SX
     P: ca.SX
     F: ca.SX
-    cq: ca.SX
-    cv: ca.SX
+    c_q: ca.SX
+    c_v: ca.SX
     c_a: ca.SX
 
 
@@ -272,9 +275,9 @@ def _arguments(fidelity: ElementFidelity) -> _Arguments:
         l=ca.SX.sym("l"),
         P=ca.SX.sym("P", len(PARAMETERS)),
         F=ca.SX.sym("F", FRAME_SIZE if torsional else 0),
-        cq=ca.SX.sym("cq"),
-        cv=ca.SX.sym("cv"),
-        c_a=ca.SX.sym("ca"),
+        c_q=ca.SX.sym("c_q"),
+        c_v=ca.SX.sym("c_v"),
+        c_a=ca.SX.sym("c_a"),
     )
 
 
@@ -342,7 +345,7 @@ def _forces(
     e_z = ca.SX.zeros(11)
     tau_z = ca.SX.zeros(11)
     tau_z[9:] = theta_x
-    shared = (means.tau, means.tau_t, means.torque, means.elastic, x.P, x.cq, x.cv, x.c_a)
+    shared = (means.tau, means.tau_t, means.torque, means.elastic, x.P, x.c_q, x.c_v, x.c_a)
     for w, B, z, z_t, z_tt, F in points:
         shift = ca.norm_2((B @ relative @ x.q_prestress)[:3]) - ca.norm_2(z[:3])
         R_p, J_p, strains_z = of_point(z, z_t, z_tt, F, *shared, shift)
@@ -364,11 +367,11 @@ def _forces(
 def _tangent_through_means(x: _Arguments, means: _Means, e_z: ca.SX, tau_z: ca.SX) -> ca.SX:
     """Return the tangent (11, 11) of the torque through the means, whose gradients are ``e_z`` and ``tau_z``."""
     p = parameters_from(x.P)
-    damped = x.cv * p.beta_K
+    damped = x.c_v * p.beta_K
     root = p.root_a
-    growth = x.cq * p.Qe
-    coupling = (x.cq + damped * root) * p.Qs + growth * means.tau
-    torsion = (x.cq + damped * root * root) * p.Qd + growth * means.e
+    growth = x.c_q * p.Qe
+    coupling = (x.c_q + damped * root) * p.Qs + growth * means.tau
+    torsion = (x.c_q + damped * root * root) * p.Qd + growth * means.e
     shared = coupling * e_z + 0.5 * torsion * tau_z
     tangent: ca.SX = x.l * (shared @ tau_z.T + tau_z @ shared.T)
     return tangent
@@ -408,9 +411,9 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     z_tt = ca.SX.sym("z_tt", 7)
     P = ca.SX.sym("P", len(PARAMETERS))
     F = ca.SX.sym("F", 6 if torsional else 0)
-    cq = ca.SX.sym("cq")
-    cv = ca.SX.sym("cv")
-    c_a = ca.SX.sym("ca")
+    c_q = ca.SX.sym("c_q")
+    c_v = ca.SX.sym("c_v")
+    c_a = ca.SX.sym("c_a")
     tau, tau_t, torque, elastic, shift = (
         ca.SX.sym(name) for name in ("tau", "tau_t", "torque", "elastic", "shift")
     )
@@ -446,14 +449,14 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     values = ca.vertcat(e, e_t), ca.vertcat(strain[0], tau, strain[2:], rate[0], tau_t, rate[2:])
     force = B.T @ ca.substitute(stress, *values) + inertia
 
-    # its derivative along (cq, cv, ca), exact at rest; how motion changes damping and spin inertia
+    # its derivative along (c_q, c_v, ca), exact at rest; how motion changes damping and spin inertia
     # is left out
     damping = ca.substitute(ca.jacobian(stress, e_t), *values)
     damping[:, 1] = 0
     # potential of the torque, and of the tension without energy, as they bend
     work = (p.Qk * tau + p.Qa * shift) * strain[0] + elastic * turning
     stiffness = ca.hessian(ca.substitute(U, *values) + work, z)[0]
-    J = symmetric(cq * stiffness + cv * (B.T @ damping @ B) + c_a * ca.jacobian(momentum, z_t))
+    J = symmetric(c_q * stiffness + c_v * (B.T @ damping @ B) + c_a * ca.jacobian(momentum, z_t))
 
     k = strain[2:]
     balance = ca.vertcat(
@@ -471,7 +474,7 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
         return ca.Function(f"point_{name}", inputs, ca.cse(outputs))
 
-    shared = [tau, tau_t, torque, elastic, P, cq, cv, c_a]
+    shared = [tau, tau_t, torque, elastic, P, c_q, c_v, c_a]
     return {
         "means": function("means", [z, z_t, F], [ca.vertcat(strain[:2], ca.dot(k, k), rate[:2])]),
         "tangent": function(

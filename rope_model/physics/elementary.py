@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable, Sequence
 from functools import reduce
 from operator import add
-from typing import Any, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import casadi as ca
 import numpy as np
@@ -20,7 +20,11 @@ Scalar: TypeAlias = float | Any
 #: CasADi vector
 Vector: TypeAlias = Sequence[Scalar] | Any
 
-TINY = 1e-300  #: smallest divisor
+#: vectors of two and of three components; C takes the length from the annotation
+Vector2: TypeAlias = Annotated[Vector, 2]
+Vector3: TypeAlias = Annotated[Vector, 3]
+
+SMALLEST_DIVISOR = 1e-300  #: smallest divisor
 
 #: isinstance is four times as fast with a tuple as with float | int, and every formula calls it
 _NUMBER = float, int
@@ -151,7 +155,7 @@ def sum_of(terms: Iterable[Scalar], start: Scalar = 0.0) -> Any:
     return reduce(add, terms, start)
 
 
-def dot(a: Vector, b: Vector) -> Any:
+def dot(a: Vector3, b: Vector3) -> Any:
     """Return the scalar product of vectors; their three components come first."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
+from rope_model.physics.element import ENERGIES
 from rope_model.physics.elementary import Scalar, Vector
 
 
@@ -59,7 +60,9 @@ def energies(balance: Vector) -> tuple[Scalar, Scalar, Scalar]:
     return kinetic + spin, axial + coupling + torsion + bending, gravity
 
 
-def with_energies(energy_balance: EnergyBalance, balance: Vector, contact: Scalar) -> EnergyBalance:
+def with_energies(
+    energy_balance: EnergyBalance, balance: Annotated[Vector, len(ENERGIES)], contact: Scalar
+) -> EnergyBalance:
     """Return the balance with the energies of a state, from its element balance and the energy of ``contact``."""
     kinetic, strain, gravity = energies(balance)
     present: EnergyBalance = energy_balance._replace(

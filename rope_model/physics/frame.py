@@ -19,9 +19,10 @@ show how it fails.
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import Annotated, Any
 
 from rope_model.physics.elementary import Scalar, Vector, cross, dot, sqrt
+from rope_model.physics.node import NodeRow
 
 #: (p, p x p', r', change of r') -> turning of the reference frame about the tangent, for the same
 #: change; p x p' is zero for changes in time
@@ -59,6 +60,6 @@ def end_moment(d: Vector, f: Vector, torque: Scalar) -> tuple[Scalar, Scalar, Sc
     return x + torque * (d[0] / length), y + torque * (d[1] / length), z + torque * (d[2] / length)
 
 
-def conveyance_load(q: Vector, f: Vector, torque: Scalar) -> tuple[Scalar, ...]:
+def conveyance_load(q: NodeRow, f: NodeRow, torque: Scalar) -> Annotated[tuple[Scalar, ...], 6]:
     """Return force (N) and moment (N m) of the rope on the conveyance, from coordinates and reaction of its end."""
     return *(-x for x in f[:3]), *(-x for x in end_moment(q[3:6], f[3:6], torque))

@@ -21,10 +21,19 @@ b = L - a, which stretch under their own weight.  The quasi-static height of its
 with the constant of the loop at rest.
 """
 
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from rope_model.parameters import Layout, Rope
-from rope_model.physics.elementary import Scalar, Vector, hypot, less, minimum, sum_of, where
+from rope_model.physics.elementary import (
+    Scalar,
+    Vector,
+    Vector3,
+    hypot,
+    less,
+    minimum,
+    sum_of,
+    where,
+)
 from rope_model.physics.inextensible import left_leg_length
 from rope_model.shaft_parameters import Guard
 
@@ -49,7 +58,7 @@ def thresholds(guard: Guard) -> tuple[Scalar, ...]:
     return guard.rise, guard.window, guard.clearance, guard.turns, guard.torque
 
 
-def has_guards(guard: Guard) -> Scalar:
+def any_threshold(guard: Guard) -> Scalar:
     """Return a number above 0 if there is any guard, else 0."""
     return sum_of(thresholds(guard)[1:], guard.rise)
 
@@ -65,18 +74,20 @@ def loop_height(rope: Rope, layout: Layout, lowest: Scalar, left: Scalar, right:
     return lowest - 0.5 * (left + right) + 0.5 * stretch
 
 
-def sideways(point: Vector, left: Vector, right: Vector) -> Scalar:
+def sideways(point: Vector3, left: Vector3, right: Vector3) -> Scalar:
     """Return the horizontal distance (m) of ``point`` (3,) from midway between the ends (3,)."""
     return hypot(point[0] - 0.5 * (left[0] + right[0]), point[2] - 0.5 * (left[2] + right[2]))
 
 
-def off_plumb(height: Scalar, a: Vector, b: Vector, end: Vector) -> Scalar:
+def off_plumb(height: Scalar, a: Vector3, b: Vector3, end: Vector3) -> Scalar:
     """Return the horizontal distance (m) of the piece from ``a`` to ``b`` (3,) from ``end``, at a ``height`` in it."""
     fraction = (height - a[1]) / (b[1] - a[1])
     return hypot(a[0] + fraction * (b[0] - a[0]) - end[0], a[2] + fraction * (b[2] - a[2]) - end[2])
 
 
-def watch(guard: Guard, state: GuardState, t: Scalar, values: Vector) -> GuardState:
+def watch(
+    guard: Guard, state: GuardState, t: Scalar, values: Annotated[Vector, len(CAUSES)]
+) -> GuardState:
     """Return the state of the guards after the instant ``t`` (s), when their quantities have these ``values`` (5,)."""
     limits = thresholds(guard)
     delays = (

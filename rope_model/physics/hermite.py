@@ -4,9 +4,12 @@ A field has the values r1, r2 and the derivatives s1, s2 with respect to arc len
 nodes.  Works on numbers, numpy arrays and CasADi expressions.
 """
 
+from typing import Annotated
+
 import numpy as np
 
-from rope_model.physics.elementary import Scalar, Vector
+from rope_model.physics.elementary import Scalar
+from rope_model.physics.node import ElementRows
 
 #: Gauss points in [0, 1] and weights; exact for the product of two cubics
 GAUSS = tuple(
@@ -36,7 +39,7 @@ def bend(xi: Scalar, l: Scalar, r1: Scalar, s1: Scalar, r2: Scalar, s2: Scalar) 
     return ((6 - 12 * xi) * (r2 - r1) + l * ((6 * xi - 4) * s1 + (6 * xi - 2) * s2)) / (l * l)
 
 
-def node_values(xi: Scalar, l: Scalar, nodes: Vector) -> tuple[Scalar, ...]:
+def node_values(xi: Scalar, l: Scalar, nodes: ElementRows) -> Annotated[tuple[Scalar, ...], 7]:
     """Return r, r' and theta (7,) at ``xi`` between the ``nodes`` (14,) of an element; theta is linear."""
     theta = (1 - xi) * nodes[6] + xi * nodes[13]
     r = [interpolate(xi, l, nodes[k], nodes[3 + k], nodes[7 + k], nodes[10 + k]) for k in range(3)]
@@ -54,7 +57,7 @@ def shape_functions(xi: Scalar, l: Scalar) -> tuple[Scalar, Scalar, Scalar, Scal
     )
 
 
-def shape_products(l: Scalar) -> tuple[Scalar, ...]:
+def shape_products(l: Scalar) -> Annotated[tuple[Scalar, ...], 10]:
     """Return integrals of products of two shape functions: the lower half of (4, 4), from the diagonal leftwards."""
     part = l / 420
     powers = (1.0, l, l * l)
@@ -69,9 +72,9 @@ def missing_load(
     l: Scalar,
     old_s: Scalar,
     old_l: Scalar,
-    old: Vector,
-    new: Vector,
-) -> tuple[Scalar, ...]:
+    old: ElementRows,
+    new: ElementRows,
+) -> Annotated[tuple[Scalar, ...], 14]:
     """Integrate ``old`` minus ``new`` (14,) times the shape functions over the common part of both elements.
 
     The elements begin at ``s`` and ``old_s``.  The result (14,) has r1, s1, r2, s2 with three

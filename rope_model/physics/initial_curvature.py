@@ -21,26 +21,37 @@ then turned back by the frame's turning about the tangent (physics.frame), integ
 Gauss points.
 """
 
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from rope_model.parameters import Rope
 from rope_model.physics import hermite
 from rope_model.physics.element import POINTS, WEIGHTS
-from rope_model.physics.elementary import Scalar, Vector, cos, dot, hypot, maximum, sin, sqrt
+from rope_model.physics.elementary import (
+    Scalar,
+    Vector,
+    Vector3,
+    cos,
+    dot,
+    hypot,
+    maximum,
+    sin,
+    sqrt,
+)
 from rope_model.physics.frame import (
     parallel_transport,
     rotate_about_tangent,
     smallest_rotation_rate,
 )
+from rope_model.physics.node import ElementRows
 
 #: the left end's tangent where it is plumb, and e1 there
 PLUMB = (0.0, -1.0, 0.0)
 START = (0.0, 0.0, 1.0)
 
 
-def carried_director(e1: Vector, before: Vector, after: Vector) -> tuple[Scalar, Scalar, Scalar]:
+def carried_director(e1: Vector3, before: Vector3, after: Vector3) -> tuple[Scalar, Scalar, Scalar]:
     """Return ``e1`` (3,) of the left end after its r' has turned from ``before`` to ``after`` (3,)."""
     x, y, z = parallel_transport(_unit(before), _unit(after), e1)
     return x, y, z
@@ -84,7 +95,7 @@ def max_curvature(rope: Rope) -> Scalar:
     return largest
 
 
-def curvature_components(rope: Rope, s: Vector, l: Scalar) -> tuple[Scalar, ...]:
+def curvature_components(rope: Rope, s: Scalar, l: Scalar) -> Annotated[tuple[Scalar, ...], 6]:
     """Return components (1/m) along e1, then e2, at the POINTS of an untwisted element that begins at ``s`` (6,)."""
     c = cos(rope.initial_curvature_angle)
     t = sin(rope.initial_curvature_angle)
@@ -109,8 +120,8 @@ TO_POINTS = _integrals_to(POINTS)
 
 
 def curvature_vectors(
-    components: Vector, l: Scalar, nodes: Vector, start: Vector
-) -> tuple[Scalar, ...]:
+    components: Annotated[Vector, 6], l: Scalar, nodes: ElementRows, start: Vector3
+) -> Annotated[tuple[Scalar, ...], 12]:
     """Return k0 (1/m) at the three POINTS of an element with the ``nodes`` (14,), then e1 at its right node (12,).
 
     ``start`` is e1 at its left node; ``components`` are curvature_components.

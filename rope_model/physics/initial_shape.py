@@ -6,9 +6,9 @@ on numbers, numpy arrays and CasADi expressions.
 """
 
 import math
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
-from rope_model.physics.elementary import Scalar, Vector, cos, maximum, minimum, sin, where
+from rope_model.physics.elementary import Scalar, Vector3, cos, maximum, minimum, sin, where
 
 
 class InitialShape(NamedTuple):
@@ -45,7 +45,9 @@ def position_and_tangent(
     return across, on_left + radius * sin(phi) - on_right, sin(phi), -cos(phi)
 
 
-def node_row(shape: InitialShape, left: Vector, across: Vector, s: Scalar) -> tuple[Scalar, ...]:
+def node_row(
+    shape: InitialShape, left: Vector3, across: Vector3, s: Scalar
+) -> Annotated[tuple[Scalar, ...], 7]:
     """Return r, r' and theta (7,) at arc length ``s`` of a rope from ``left`` (3,) in the direction ``across`` (3,)."""
     # rad, angle by which the rope has turned
     phi = minimum(maximum((s - shape.left_leg) / shape.radius, 0.0), math.pi)

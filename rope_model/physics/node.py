@@ -1,8 +1,11 @@
 """Nodes of a rope: rows of seven coordinates, and their arc lengths."""
 
+from typing import Annotated, TypeAlias
+
 import numpy as np
 
 from rope_model.arrays import Array
+from rope_model.physics.elementary import Vector
 
 SIDES = ("left", "right")  #: ends of the rope, and the conveyances to which they are fixed
 END_NODE = (0, -1)  #: rows of the ends in arrays of nodes
@@ -10,6 +13,14 @@ END_NODE = (0, -1)  #: rows of the ends in arrays of nodes
 POSITION = slice(0, 3)
 SLOPE = slice(3, 6)
 ANGLE = 6
+NODE_DOF = 7
+
+#: r and r' of a node
+PointRow: TypeAlias = Annotated[Vector, ANGLE]
+#: row of a node
+NodeRow: TypeAlias = Annotated[Vector, NODE_DOF]
+#: rows of both nodes of an element, one behind the other
+ElementRows: TypeAlias = Annotated[Vector, 2 * NODE_DOF]
 
 
 def arc_lengths(lengths: Array) -> Array:

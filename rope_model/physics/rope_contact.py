@@ -18,7 +18,16 @@ import math
 
 from rope_model.physics import hermite
 from rope_model.physics.contact import ContactLaw, ContactTerms, contact_law
-from rope_model.physics.elementary import Scalar, Vector, ceil, dot, floor, maximum, minimum
+from rope_model.physics.elementary import (
+    Scalar,
+    Vector3,
+    ceil,
+    dot,
+    floor,
+    maximum,
+    minimum,
+)
+from rope_model.physics.node import PointRow
 from rope_model.physics.shaft import Body
 from rope_model.shaft_parameters import Contact
 
@@ -66,7 +75,7 @@ def strands(s: list[float], reach: float) -> list[int]:
     return chosen
 
 
-def nearer_xi(xi: Scalar, l: Scalar, point: Vector, a: Vector, b: Vector) -> Scalar:
+def nearer_xi(xi: Scalar, l: Scalar, point: Vector3, a: PointRow, b: PointRow) -> Scalar:
     """Return Newton's correction of ``xi`` towards the element's point nearest to ``point``; a, b: nodes' r, r'."""
     ends = [(a[k], a[3 + k], b[k], b[3 + k]) for k in range(3)]
     values = [hermite.interpolate(xi, l, *end) for end in ends]
@@ -80,7 +89,12 @@ def nearer_xi(xi: Scalar, l: Scalar, point: Vector, a: Vector, b: Vector) -> Sca
 
 
 def self_contact_law(
-    contact: Contact, diameter: Scalar, separation: Vector, velocity: Vector, cq: Scalar, cv: Scalar
+    contact: Contact,
+    diameter: Scalar,
+    separation: Vector3,
+    velocity: Vector3,
+    c_q: Scalar,
+    c_v: Scalar,
 ) -> ContactTerms:
     """Return the contact, per length, of a point at ``separation`` (3,) from another with relative ``velocity``."""
     law = ContactLaw(
@@ -90,4 +104,4 @@ def self_contact_law(
         slip_speed=contact.slip_speed,
     )
     other = Body((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.5 * diameter, 1.0, 0.0, 1.0)
-    return contact_law(law, diameter, other, (0.0, 0.0, 0.0), separation, velocity, cq, cv)
+    return contact_law(law, diameter, other, (0.0, 0.0, 0.0), separation, velocity, c_q, c_v)

@@ -21,6 +21,7 @@ from typing import NamedTuple
 from rope_model.physics.elementary import (
     Scalar,
     Vector,
+    Vector3,
     cos,
     less,
     maximum,
@@ -39,7 +40,7 @@ DEEP = 1e4
 #: kinds of bodies; the number of a kind is its index
 KINDS = ("lining", "conveyance", "head_ropes", "divider", "floor")
 #: m^2, keeps the root smooth where all of max(q, 0) vanishes; it is 1e-12 m off there
-TINY = 1e-24
+ROOT_SMOOTHING = 1e-24
 
 
 class Body(NamedTuple):
@@ -53,7 +54,7 @@ class Body(NamedTuple):
     side: float
 
 
-def distance(point: Vector, body: Body) -> Scalar:
+def distance(point: Vector3, body: Body) -> Scalar:
     """Return the distance (m) of ``point`` (3,) from the body's surface; negative inside of the body."""
     x, y, z = _in_axes(
         point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body
@@ -61,7 +62,7 @@ def distance(point: Vector, body: Body) -> Scalar:
     return _distance(abs(x) - body.half[0], abs(y) - body.half[1], abs(z) - body.half[2], body)
 
 
-def min_distance(point: Vector, extent: Vector, body: Body) -> Scalar:
+def min_distance(point: Vector3, extent: Vector3, body: Body) -> Scalar:
     """Return the smallest distance (m) over the box about ``point`` with half widths ``extent`` along X, Y, Z."""
     x, y, z = _in_axes(
         point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body
@@ -85,7 +86,7 @@ def normal(point: Vector, body: Body) -> tuple[Scalar, Scalar, Scalar]:
     )
     q = [abs(x) - h for x, h in zip(local, (body.half[0], body.half[1], body.half[2]), strict=True)]
     out = [maximum(x, 0.0) for x in q]
-    root = sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2] + TINY)
+    root = sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2] + ROOT_SMOOTHING)
     # within the box the normal is that of the nearest face
     largest = maximum(maximum(q[0], q[1]), q[2])
     faces = [(1.0 - less(0.0, x)) * (1.0 - less(x, largest)) for x in q]
@@ -105,7 +106,7 @@ def _distance(x: Scalar, y: Scalar, z: Scalar, body: Body) -> Scalar:
     b = maximum(y, 0.0)
     c = maximum(z, 0.0)
     within = minimum(maximum(maximum(x, y), z), 0.0)
-    return body.side * (sqrt(a * a + b * b + c * c + TINY) + within - body.radius)
+    return body.side * (sqrt(a * a + b * b + c * c + ROOT_SMOOTHING) + within - body.radius)
 
 
 def lining(lining: Lining) -> Body:
@@ -118,13 +119,13 @@ def lining(lining: Lining) -> Body:
     )
 
 
-def conveyance(conveyance: Conveyance, end: Vector) -> Body:
+def conveyance(conveyance: Conveyance, end: Vector3) -> Body:
     """Return the conveyance from which the rope's ``end`` (3,) hangs; it moves with that end."""
     half = 0.5 * conveyance.width, 0.5 * conveyance.height, 0.5 * conveyance.depth
     return Body((end[0], end[1] + conveyance.above + half[1], end[2]), half, 0.0, 1.0, 0.0, 1.0)
 
 
-def head_ropes(head_ropes: HeadRopes, conveyance: Conveyance, end: Vector) -> Body:
+def head_ropes(head_ropes: HeadRopes, conveyance: Conveyance, end: Vector3) -> Body:
     """Return the ropes above that conveyance; they begin at its top and move sideways with it."""
     centre = end[0], end[1] + conveyance.above + conveyance.height + DEEP, end[2]
     return Body(centre, (0.0, DEEP, 0.5 * head_ropes.row), 0.5 * head_ropes.diameter, 1.0, 0.0, 1.0)

@@ -1,10 +1,11 @@
 """Nominal stresses of a wire rope, as in a solid round bar of its diameter; ``rope`` is that of a scene."""
 
 import math
-from typing import Any
+from typing import Annotated, Any
 
 from rope_model.parameters import Rope
 from rope_model.physics.costello import torque
+from rope_model.physics.element import STRAINS
 from rope_model.physics.elementary import Scalar, Vector, sqrt
 
 
@@ -13,7 +14,9 @@ def bending_stress(rope: Rope, k: Scalar) -> Scalar:
     return 32 * rope.EI * k / (math.pi * rope.diameter**3)
 
 
-def material_values(rope: Rope, torsional: Scalar, strains: Vector) -> tuple[Any, Any, Any, Any]:
+def material_values(
+    rope: Rope, torsional: Scalar, strains: Annotated[Vector, len(STRAINS)]
+) -> tuple[Any, Any, Any, Any]:
     """Return bending and torsional stress (Pa), curvature (1/m), torque (N m) at ``strains``, see element.STRAINS.
 
     ``torsional`` is 1, or 0 for a fidelity that computes no torsion, and so no torque.

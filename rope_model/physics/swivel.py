@@ -12,7 +12,7 @@ that pushes does not reduce the seal's friction.
 
 from typing import NamedTuple
 
-from rope_model.physics.elementary import Scalar, Vector, dot, maximum, sqrt
+from rope_model.physics.elementary import Scalar, Vector3, dot, maximum, sqrt
 
 
 class Friction(NamedTuple):
@@ -22,7 +22,7 @@ class Friction(NamedTuple):
     per_tension: Scalar  # N m over N
 
 
-def tension_along(sense: Scalar, d: Vector, force: Vector) -> Scalar:
+def tension_along(sense: Scalar, d: Vector3, force: Vector3) -> Scalar:
     """Return the tension (N) at an end from the conveyance's ``force`` (3,) on it and its r' = ``d`` (3,).
 
     ``sense`` is -1 at the left end, where the tangent leads away from the conveyance, and +1 at the

@@ -3,7 +3,7 @@
 At each Gauss point C z is added to the moment EI k, work-conjugate to the rate of k seen from the
 section:
 
-    R += int B^T C z dx,     J += cq int B^T C dz/dk B dx
+    R += int B^T C z dx,     J += c_q int B^T C dz/dk B dx
 
 Behind the frame's entries F has HISTORY_SIZE numbers of the rope at the last accepted instant (at
 each point section and z (10), then k0 and C) and TANGENT_SIZE numbers of the latest tangent.  The
@@ -25,6 +25,7 @@ import casadi as ca
 from rope_model.physics import element
 from rope_model.physics.bending_element import bending_element
 from rope_model.physics.frame import smallest_rotation_rate
+from rope_model.physics.node import NODE_DOF
 from rope_model.physics.wire_friction import (
     POINT_STATE_SIZE,
     REGULARIZATION,
@@ -45,7 +46,7 @@ class WireFunctions(NamedTuple):
     """CasADi functions of friction between the wires in an element; ``H`` is its history (HISTORY_SIZE,).
 
     residual: (q, l, H) -> R (2 m,)
-    tangent:  (q, l, H, latest, cq) -> J (2 m, 2 m)
+    tangent:  (q, l, H, latest, c_q) -> J (2 m, 2 m)
     latest:   (q, l, H, latest) -> ``latest`` after that tangent (TANGENT_SIZE,)
     energy:   (q, l, H) -> energy stored, J
     """
@@ -61,15 +62,15 @@ def wire_functions(fidelity: element.ElementFidelity) -> WireFunctions:
     """Build the functions for a fidelity."""
     dofs = [
         *element.ELEMENT_DOF[fidelity],
-        *(element.NODE_DOF + k for k in element.ELEMENT_DOF[fidelity]),
+        *(NODE_DOF + k for k in element.ELEMENT_DOF[fidelity]),
     ]
     symbol = ca.SX.sym("q", len(dofs))
-    q = ca.SX.zeros(2 * element.NODE_DOF)
+    q = ca.SX.zeros(2 * NODE_DOF)
     q[dofs] = symbol
     l = ca.SX.sym("l")
     H = ca.SX.sym("H", HISTORY_SIZE)
     latest = ca.SX.sym("latest", TANGENT_SIZE)
-    cq = ca.SX.sym("cq")
+    c_q = ca.SX.sym("c_q")
     *points, k0, C = ca.vertsplit(
         H, [*range(0, HISTORY_SIZE - 1, POINT_STATE_SIZE), HISTORY_SIZE - 1, HISTORY_SIZE]
     )
@@ -93,11 +94,11 @@ def wire_functions(fidelity: element.ElementFidelity) -> WireFunctions:
         energy += 0.5 * weight * l * C * square
         latest_tangents.append(tangent_numbers)
     R = (relative.T @ R)[dofs]
-    J = element.symmetric(cq * (relative.T @ element.symmetric(J) @ relative))[dofs, dofs]
+    J = element.symmetric(c_q * (relative.T @ element.symmetric(J) @ relative))[dofs, dofs]
     inputs = [symbol, l, H]
     return WireFunctions(
         ca.Function("wire_residual", inputs, [ca.cse(R)]),
-        ca.Function("wire_tangent", [*inputs, latest, cq], [ca.cse(J)]),
+        ca.Function("wire_tangent", [*inputs, latest, c_q], [ca.cse(J)]),
         ca.Function("wire_latest", [*inputs, latest], [ca.cse(ca.vertcat(*latest_tangents))]),
         ca.Function("wire_energy", inputs, [ca.cse(energy)]),
     )
@@ -149,8 +150,8 @@ def wire_element(
         base,
         HISTORY_SIZE + TANGENT_SIZE,
         lambda q, l, _, numbers: wires.residual(q, l, numbers[:HISTORY_SIZE]),
-        lambda q, l, _, numbers, cq: wires.tangent(
-            q, l, numbers[:HISTORY_SIZE], numbers[HISTORY_SIZE:], cq
+        lambda q, l, _, numbers, c_q: wires.tangent(
+            q, l, numbers[:HISTORY_SIZE], numbers[HISTORY_SIZE:], c_q
         ),
         lambda q, l, _, numbers: wires.energy(q, l, numbers[:HISTORY_SIZE]),
     )

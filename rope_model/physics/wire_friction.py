@@ -26,16 +26,19 @@ Delivery 12 (1997), and F. Foti, L. Martinelli, Appl. Math. Modelling 40 (2016),
 friction moment of strands.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from rope_model.parameters import Rope
 from rope_model.physics import hermite
 from rope_model.physics.costello import tension
 from rope_model.physics.elementary import Scalar, Vector, cross, dot, exp, log, maximum, sqrt
 from rope_model.physics.frame import parallel_transport, rational_cos_sin, rotate_about_tangent
+from rope_model.physics.node import ElementRows
 
-#: number of entries of a section (tangent, curvature vector, angle) with z behind it
-POINT_STATE_SIZE = 10
+#: number of entries of a section: tangent, curvature vector, angle
+SECTION_SIZE = 7
+#: number of entries of a section with its z behind it
+POINT_STATE_SIZE = SECTION_SIZE + 3
 #: square in units of k0^2 that counts as 0, so that there is a derivative where nothing moves
 REGULARIZATION = 1e-26
 #: square of z in these units that is too small for a quotient
@@ -64,7 +67,9 @@ def slip_curvature(rope: Rope, stiffness: Scalar, e: Scalar, tau: Scalar) -> Sca
     return (rope.slip_moment + rope.slip_factor * rope.diameter * maximum(pull, 0.0)) / stiffness
 
 
-def section_at(xi: Scalar, l: Scalar, nodes: Vector) -> tuple[Scalar, ...]:
+def section_at(
+    xi: Scalar, l: Scalar, nodes: ElementRows
+) -> Annotated[tuple[Scalar, ...], SECTION_SIZE]:
     """Return the section (7,) at ``xi`` of an element with the nodes (14,)."""
     ends = [(nodes[k], nodes[3 + k], nodes[7 + k], nodes[10 + k]) for k in range(3)]
     d = [hermite.interpolate(xi, l, *values)[1] for values in ends]
@@ -80,7 +85,9 @@ def section(d: Vector, c: Vector, angle: Scalar) -> tuple[Scalar, ...]:
     return (*(d[i] / length for i in range(3)), *(turn[i] / square for i in range(3)), angle)
 
 
-def bouc_wen_step(before: Vector, after: Vector, k0: Scalar) -> BoucWenStep:
+def bouc_wen_step(
+    before: Annotated[Vector, POINT_STATE_SIZE], after: Annotated[Vector, SECTION_SIZE], k0: Scalar
+) -> BoucWenStep:
     """Advance the hysteresis from the section ``before``, with its z (10,), to the section ``after`` (7,)."""
     z = _carried(before, after, before[7:10])
     old_curvature = _carried(before, after, before[3:6])

@@ -24,8 +24,8 @@ from scipy.linalg.lapack import dgbtrf, dgbtrs
 from rope_model.arrays import Array
 from rope_model.parameters import Rope
 from rope_model.physics import element
-from rope_model.physics.element import BALANCE, NODE_DOF, ElementFunctions, parameters
-from rope_model.physics.node import ANGLE, SLOPE
+from rope_model.physics.element import BALANCE, ElementFunctions, parameters
+from rope_model.physics.node import ANGLE, NODE_DOF, SLOPE
 from rope_model.physics.swivel import pressing_tension
 from rope_model.reference.elements import over_elements
 

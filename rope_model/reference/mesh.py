@@ -43,7 +43,7 @@ PATTERN = (
     "end_levels",
     "grading_length",
 )  #: fields of a RopeMesh but its lengths
-ROUNDING = 1e-12  #: share of the rope's length by which equal element lengths may differ
+EQUAL_WITHIN = 1e-12  #: share of the rope's length by which equal element lengths may differ
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ def require_mesh_of(scene: Scene, mesh: RopeMesh) -> None:
         fits
         and all(getattr(mesh, name) == getattr(expected, name) for name in PATTERN)
         and mesh.lengths.shape == expected.lengths.shape
-        and bool(np.all(abs(mesh.lengths - expected.lengths) <= ROUNDING * scene.rope.length))
+        and bool(np.all(abs(mesh.lengths - expected.lengths) <= EQUAL_WITHIN * scene.rope.length))
     )
     if not fits:
         raise ValueError(

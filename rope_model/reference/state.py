@@ -17,9 +17,8 @@ from rope_model.arrays import Array
 from rope_model.method.generalized_alpha import Motion
 from rope_model.method.swivel_phases import SwivelState
 from rope_model.parameters import Scene
-from rope_model.physics.element import NODE_DOF
 from rope_model.physics.inextensible import left_leg_length
-from rope_model.physics.node import ANGLE
+from rope_model.physics.node import ANGLE, NODE_DOF
 from rope_model.reference.ends import EndQuintic
 from rope_model.reference.energies import Energies
 from rope_model.reference.equations import Equations

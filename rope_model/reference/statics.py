@@ -18,7 +18,7 @@ import numpy as np
 
 from rope_model.arrays import Array
 from rope_model.physics.element import PARAMETERS
-from rope_model.physics.elementary import TINY
+from rope_model.physics.elementary import SMALLEST_DIVISOR
 from rope_model.physics.inextensible import left_leg_length
 from rope_model.physics.initial_shape import initial_shape, node_row
 from rope_model.physics.node import ANGLE, SLOPE
@@ -80,7 +80,7 @@ def find_equilibrium(equations: Equations, guess: Array, t: float = 0.0) -> Equi
         move = float(np.abs(x).max())
         if not np.isfinite(move):
             move = np.inf
-        trial = q + min(1.0, MAX_MOVE / max(move, TINY)) * np.nan_to_num(x)
+        trial = q + min(1.0, MAX_MOVE / max(move, SMALLEST_DIVISOR)) * np.nan_to_num(x)
         reaction = equations.residual(trial, zeros, zeros)
         left = np.where(equations.held, 0.0, reaction)
         force_left = _largest(equations, left)
@@ -103,7 +103,7 @@ def find_equilibrium(equations: Equations, guess: Array, t: float = 0.0) -> Equi
         settled = tau > NEWTON_TIME and equations.size(x) < TOLERANCE * length
         if settled or balanced > BALANCED:
             return Equilibrium(q, reaction, k, turn)
-        tau *= min(max(force / max(force_left, TINY), GROW[0]), GROW[1])
+        tau *= min(max(force / max(force_left, SMALLEST_DIVISOR), GROW[0]), GROW[1])
         tau = min(tau, LONGEST_TIME)
     raise StaticsError(
         f"no equilibrium in {k} corrections: forces of {force:.3g} N are left; "

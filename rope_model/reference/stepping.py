@@ -10,7 +10,7 @@ of the step in which that becomes due.
 import math
 from dataclasses import dataclass, replace
 
-from rope_model.method.events import Bracket, narrowed, trial_x
+from rope_model.method.events import Bracket, narrowed_bracket, trial_x
 from rope_model.method.generalized_alpha import Coefficients, Motion, local_error
 from rope_model.method.step_control import (
     ACCEPT_BELOW,
@@ -44,7 +44,7 @@ from rope_model.reference.state import LoggedEvent, State
 from rope_model.reference.swivel import Ends, slip, stick
 from rope_model.reference.transformation import with_mesh_for
 
-ROUNDING = 1e-9  #: steps: a rest of the interval below it needs no step of its own
+NEGLIGIBLE_REST = 1e-9  #: steps: a rest of the interval below it needs no step of its own
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ def _accepted(
     step_next = min(state.step_next, solver.step_max)
     rejected = False
     while True:
-        parts = max(math.ceil((stop - old.t) / step_next - ROUNDING), 1)
+        parts = max(math.ceil((stop - old.t) / step_next - NEGLIGIBLE_REST), 1)
         h = (stop - old.t) / parts
         trial = _trial(scene, equations, old, h)
         state = state.counted(newton=trial.corrections)
@@ -254,7 +254,7 @@ def _trial_to_event(
         part = float(trial_x(bracket, EVENT_WIDTH))
         if not bracket.low < part < bracket.high:
             break
-        bracket = narrowed(bracket, part, excess_after(part))
+        bracket = narrowed_bracket(bracket, part, excess_after(part))
     trial = tried(float(bracket.high))
     return replace(trial, corrections=corrections)
 

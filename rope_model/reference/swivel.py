@@ -32,8 +32,8 @@ from rope_model.method.swivel_phases import (
 )
 from rope_model.parameters import Scene, Swivel
 from rope_model.physics import element
-from rope_model.physics.element import NODE_DOF, parameters
-from rope_model.physics.node import ANGLE, END_NODE, POSITION
+from rope_model.physics.element import parameters
+from rope_model.physics.node import ANGLE, END_NODE, NODE_DOF, POSITION
 from rope_model.reference.ends import YAW, EndQuintic
 from rope_model.reference.equations import ALONG, HEIGHT, STRETCH, Equations, frame_at
 from rope_model.reference.mesh import RopeMesh

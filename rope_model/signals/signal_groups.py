@@ -12,6 +12,8 @@ _GROUP_BY_SOURCE = {
     "audit": "audit_signals",
     "contact": "contact_signals",
     "clearance": "clearance_signals",
+    "left": "end_signals",
+    "right": "end_signals",
 }
 
 
@@ -25,4 +27,4 @@ def group_of(name: str) -> str:
         return "stress_signals"
     if name.startswith(("shape.s", "shape.tension", "shape.bending", "shape.torsion")):
         return "along_signals"
-    return _GROUP_BY_SOURCE.get(name.partition(".")[0], "end_signals")
+    return _GROUP_BY_SOURCE[name.partition(".")[0]]

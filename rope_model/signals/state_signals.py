@@ -5,12 +5,14 @@ from typing import Any
 
 from rope_model.boundary.input_filter import InputFilter
 from rope_model.physics.contact_error import ContactSums
-from rope_model.physics.elementary import TINY, Scalar, less, maximum, sqrt
+from rope_model.physics.elementary import SMALLEST_DIVISOR, Scalar, less, maximum, sqrt
 from rope_model.physics.energy_balance import EnergyBalance, residual, total
 from rope_model.physics.guard import GuardState
 from rope_model.physics.shaft import KINDS
-from rope_model.signals.signal_table import SIGNALS
-from rope_model.state import Counts, Crossing, Nearest, RopeState
+from rope_model.state import NOT_NEAR, Counts, Crossing, Nearest, RopeState
+
+#: counts that are signals count.*; that of steps with accuracy given up is one of status.*
+COUNTED = tuple(name for name in Counts._fields if name != "given_up")
 
 
 def remembered(state: RopeState) -> dict[str, Scalar]:
@@ -33,22 +35,24 @@ def remembered(state: RopeState) -> dict[str, Scalar]:
         "energy.residual": residual(state.energy_balance),
     }
     values |= {
-        f"energy.{name}": getattr(state.energy_balance, name) for name in EnergyBalance._fields
+        f"energy.{name}": getattr(state.energy_balance, name)
+        for name in EnergyBalance._fields
+        if name != "start"
     }
     values |= {"guard.cause": guard.cause, "guard.time": guard.time}
-    values |= {f"count.{name}": getattr(state.counts, name) for name in Counts._fields}
+    values |= {f"count.{name}": getattr(state.counts, name) for name in COUNTED}
     for k, name in enumerate(("position", "speed", "acceleration")):
         values[f"inputs.misfit.{name}"] = maximum(
             *(getattr(x.misfits, name) for x in (left, right))
         )
         squares = maximum(left.misfits.squares[k], right.misfits.squares[k])
-        mean = squares / maximum(left.misfits.time, TINY)
+        mean = squares / maximum(left.misfits.time, SMALLEST_DIVISOR)
         values[f"inputs.misfit.{name}_rms"] = sqrt(mean)
     impulses = zip((*KINDS, "rope"), state.contact.impulses, strict=True)
     values |= {f"contact.{kind}.impulse": impulse for kind, impulse in impulses}
     for kind, nearest in zip(KINDS, state.nearest, strict=True):
         values |= {f"nearest.{kind}.{name}": getattr(nearest, name) for name in Nearest._fields}
-    return {name: value for name, value in values.items() if name in SIGNALS}
+    return values
 
 
 #: the members of a state that these signals depend on
@@ -60,7 +64,7 @@ _START: Any = SimpleNamespace(
     given_up_since=0.0,
     energy_balance=EnergyBalance(),
     contact=ContactSums(),
-    nearest=(Nearest(),) * len(KINDS),
+    nearest=NOT_NEAR,
 )
 #: names of these signals
 STATE_SIGNALS = tuple(remembered(_START))

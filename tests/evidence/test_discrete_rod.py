@@ -14,7 +14,7 @@ from evidence.discrete_rod import cases
 from evidence.discrete_rod.cases import SHORT, Case, Comparison, Winding
 from evidence.discrete_rod.rod import GRAVITY, Rod, join, split
 from evidence.discrete_rod.solve import HELD, first_guess
-from rope_model.parameter_table import TINY
+from rope_model.parameter_table import LEAST_POSITIVE
 
 Array = NDArray[np.float64]
 
@@ -86,7 +86,7 @@ def test_turning_as_a_whole_neither_strains_nor_is_damped() -> None:
 
 def test_a_spinning_limp_chain_keeps_its_angular_momentum() -> None:
     # no stiffness but along: the clamps pass on no couple, and what is left is the spin's
-    rod = short(16, EI=TINY, Qb=0.0, Qc=0.0, Qd=TINY)
+    rod = short(16, EI=LEAST_POSITIVE, Qb=0.0, Qc=0.0, Qd=LEAST_POSITIVE)
     y = disturb(rod, 0.05)
     y[[3, *range(11, y.size - 3, 8)]] += 1e4  # rad/s
     loads = rod.evaluate(0.0, y[:, None], HELD)

@@ -22,13 +22,14 @@ from rope_model import compiler as kernels
 from rope_model.boundary.end_paths import EndMotion
 from rope_model.boundary.input_filter import InputFilter, PathMeasures
 from rope_model.codegen.build import sources
-from rope_model.codegen.state_structures import PARTS
+from rope_model.codegen.state_structures import MESSAGE, PARTS, PatternStructure
 from rope_model.codegen.structures import GROUPS, EndMotionStructure, scene_structure
-from rope_model.method.mesh_pattern import NO_DIVIDERS
+from rope_model.method.mesh_fit import NO_DIVIDERS
 from rope_model.method.newton import SMOOTH, NewtonLimits
 from rope_model.method.partition import Partition
 from rope_model.parameters import Scene
 from rope_model.physics.contact_element import CONTACT_BALANCE
+from rope_model.physics.energy_balance import EnergyBalance
 from rope_model.physics.node import SIDES, arc_lengths
 from rope_model.physics.shaft import KINDS
 from rope_model.solver_parameters import Inputs, Mesh, MeshKind
@@ -38,7 +39,6 @@ Array = NDArray[np.float64]
 
 #: warnings under which tests compile C, as errors
 WARNINGS = ("-Wall", "-Wextra", "-Wshadow", "-Werror")
-MESSAGE = 512
 
 
 class CLoopBottom(ct.Structure):
@@ -49,14 +49,8 @@ class CLoopTurns(ct.Structure):
     _fields_ = (("number", ct.c_double), ("sharpest_y", ct.c_double))
 
 
-class CPattern(ct.Structure):
-    _fields_ = (("coarse", ct.c_double), ("grading_length", ct.c_double))
-    _fields_ += (
-        ("counts", ct.c_int32 * 7),
-        ("end_levels", ct.c_int32),
-        ("windows", ct.c_int32 * 8),
-    )
-
+#: bytes of NodalArrays: nine pointers, two integers
+NODAL_ARRAYS_BYTES = 9 * ct.sizeof(ct.c_void_p) + 2 * ct.sizeof(ct.c_int)
 
 #: functions that have no name in a library, and arrays of a state
 MORE = """
@@ -77,7 +71,7 @@ void arrays_of(double *q, double *v, double *a, double *reaction, double *length
 /* Carry z (elements x WIRE_Z) from nodes at old_s to those of a mesh of as many elements. */
 void carry_wires(int elements, const double *old_s, const double *lengths, const double *s, double *z) {
     const size_t n = (size_t)elements, rows = FIELDS * DOF * (n + 1) + n + n + 1 + WIRE_Z * n;
-    double *scratch = calloc(n * WIRE_HISTORY_SIZE, sizeof(double));
+    double *scratch = calloc(n * WIRE_ELEMENT_HISTORY_SIZE, sizeof(double));
     State *state = calloc(1, sizeof *state + rows * sizeof(double));
     state->elements = elements;
     state->rubs = 1;
@@ -93,11 +87,11 @@ void carry_wires(int elements, const double *old_s, const double *lengths, const
 
 /* Contact of a rope with itself: subtract its forces from R, add its tangent times x to y, and its sums to sums. */
 int self_contact_of(const Scene *scene, int elements, const double *lengths, const double *q, const double *v,
-                    double cq, double cv, const double *x, double *R, double *y, double *sums) {
+                    double c_q, double c_v, const double *x, double *R, double *y, double *sums) {
     const size_t n = (size_t)elements, size = DOF * (n + 1);
     double length = 0;
     for (int e = 0; e < elements; e++) length += lengths[e];
-    const size_t places = (size_t)max_points(length, elements, scene->rope.diameter);
+    const size_t places = (size_t)rope_contact_max_points(length, elements, scene->rope.diameter);
     SelfContactState state = {.scene = scene, .presses = 1};
     double *numbers = calloc(size + 4 * n, sizeof *numbers);
     state.cache = (ClearanceCache){.q = numbers, .lengths = numbers + size};
@@ -106,9 +100,9 @@ int self_contact_of(const Scene *scene, int elements, const double *lengths, con
     state.xi = state.distances + n;
     state.boxes = calloc(n, sizeof *state.boxes);
     state.others = calloc(n, sizeof *state.others);
-    state.contacts = calloc(MAX_STRANDS * places, sizeof *state.contacts);
+    state.contacts = calloc(ROPE_CONTACT_MAX_STRANDS * places, sizeof *state.contacts);
     const System system = {.elements = elements, .lengths = lengths, .self_contact = &state};
-    const int count = find_self_contacts(&system, q, v, cq, cv);
+    const int count = find_self_contacts(&system, q, v, c_q, c_v);
     self_contact_take_force(&state, R);
     self_contact_times(&state, x, y);
     self_contact_sums(&system, q, v, sums);
@@ -178,7 +172,7 @@ def _parts() -> SimpleNamespace:
         "check_input_age": (n, p, x, p, n, p),
         "self_contact_of": (n, p, n, p, p, p, x, x, p, p, p, p),
         "carry_wires": (None, n, p, p, p, p),
-        "rigid_rope": (n, p, p, x, n, *[p] * 8),
+        "rigid_rope": (n, p, p, x, p, p, p),
         "arrays_of": (None, p, p, p, p, p, p, n, p),
     }
     for name, (result, *arguments) in signatures.items():
@@ -221,7 +215,7 @@ def fit_mesh(scene: Scene) -> Mesh:
     )
 
 
-def _record(pattern: CPattern, lengths: Array) -> Partition:
+def _record(pattern: PatternStructure, lengths: Array) -> Partition:
     return Partition(
         lengths,
         tuple(pattern.counts),
@@ -243,14 +237,14 @@ def partition(
     elements = parts.partition_elements(of, length, places, text)
     if elements == 0:
         raise ValueError(text.value.decode())
-    pattern = CPattern()
+    pattern = PatternStructure()
     lengths = np.empty(elements)
     parts.partition(of, length, bottom_s, places, elements, pattern, lengths)
     return _record(pattern, lengths)
 
 
-def _pattern(cells: Partition) -> CPattern:
-    return CPattern(
+def _pattern(cells: Partition) -> PatternStructure:
+    return PatternStructure(
         cells.coarse, cells.grading_length, cells.counts, cells.end_levels, cells.windows
     )
 
@@ -325,16 +319,15 @@ class RigidRope:
 def rigid_rope(scene: Scene, ends: tuple[EndMotion, EndMotion], t: float, s: Array) -> RigidRope:
     """Return the rigid rope with nodes at ``s`` (m); raises ValueError if it goes slack."""
     q, v, a, reaction = (np.zeros((s.size, 7)) for _ in range(4))
-    kinetic = ct.c_double()
-    gravity = ct.c_double()
+    balance = PARTS[EnergyBalance]()
     text = message()
     motions = (EndMotionStructure * 2)(*(EndMotionStructure(*astuple(end)) for end in ends))
-    _parts().rigid_rope(
-        scene_structure(scene), motions, t, s.size, s, q, v, a, reaction, kinetic, gravity, text
-    )
+    nodal = ct.create_string_buffer(NODAL_ARRAYS_BYTES)
+    _parts().arrays_of(q, v, a, reaction, np.diff(s), s, s.size, nodal)
+    _parts().rigid_rope(scene_structure(scene), motions, t, nodal, balance, text)
     if text.value:
         raise ValueError(text.value.decode())
-    return RigidRope(q, v, a, (reaction[0, 1], reaction[-1, 1]), kinetic.value, gravity.value)
+    return RigidRope(q, v, a, (reaction[0, 1], reaction[-1, 1]), balance.kinetic, balance.gravity)
 
 
 class CProgress(ct.Structure):
@@ -369,7 +362,7 @@ def newton_judge(before: CProgress, norm: float, tolerance: float, fresh: bool) 
 
 def nodal_arrays(q: Array, lengths: Array) -> Any:
     """Return the arrays of a rope at rest as the engine's functions take them; ``q`` and ``lengths`` must live on."""
-    arrays = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10)
+    arrays = ct.create_string_buffer(NODAL_ARRAYS_BYTES)
     s = arc_lengths(lengths)
     _parts().arrays_of(q, q, q, q, lengths, s, s.size, arrays)
     arrays.kept = (q, lengths, s)  # type: ignore[attr-defined]

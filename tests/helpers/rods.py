@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
@@ -12,15 +14,17 @@ from numpy.typing import NDArray
 from rope_model.analysis.chain_matrices import of_elements as chain_matrix
 from rope_model.arrays import Array
 from rope_model.parameters import Rope
-from rope_model.physics.curved_element import curvature_along, curved_element
+from rope_model.physics.curved_element import curved_element
 from rope_model.physics.element import (
     BALANCE,
     PARAMETERS,
+    POINTS,
     ElementFunctions,
     element_functions,
     parameters,
 )
-from rope_model.physics.initial_curvature import START, curvature_components
+from rope_model.physics.initial_curvature import START, curvature_components, curvature_vectors
+from rope_model.physics.node import NODE_DOF
 from rope_model.reference.equations import Equations, at_rest, frame_at, of_elements
 
 Mask = NDArray[np.bool_]
@@ -78,6 +82,23 @@ def chain_tangent(
     J = tangent(*parts, equations.frame, equations.material, *c, before)[1]
     inertia = sp.diags(c[2] * equations.inertia.ravel())
     return chain_matrix(np.asarray(J), equations.lengths.size) + inertia
+
+
+@cache
+def curvature_along(elements: int) -> ca.Function:
+    """Build (e1 at the left end, curvature_components, lengths, nodes) -> e1 at the right nodes, k0 at the points (9,).
+
+    Columns belong to elements.
+    """
+    start = ca.SX.sym("start", 3)
+    l = ca.SX.sym("l")
+    nodes = ca.SX.sym("nodes", 2 * NODE_DOF)
+    components = ca.SX.sym("components", 2 * len(POINTS))
+    *k0, x, y, z = curvature_vectors(components, l, nodes, start)
+    inputs = [start, components, l, nodes]
+    return ca.Function(
+        "curvature_vectors", inputs, [ca.vertcat(x, y, z), ca.vertcat(*k0)]
+    ).mapaccum(elements)
 
 
 @dataclass(frozen=True)

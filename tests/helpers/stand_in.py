@@ -13,6 +13,7 @@ from signal_names import of_both_ends
 
 from fmu_src.native.build import PLATFORMS, host_platform
 from fmu_src.native.export import HEADERS
+from rope_model.codegen.interface_structures import interface_structures
 from rope_model.codegen.tables import parameter_structures, signal_numbers
 
 VERSIONS = (2, 3)
@@ -37,7 +38,11 @@ SANITIZED = ["-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover
 def stand_in() -> dict[str, str]:
     files = (NATIVE / "stand_in.c", ROOT / "rope_model" / "csrc" / "rope.h")
     texts = {path.name: path.read_text(encoding="utf-8") for path in files}
-    return texts | {"parameters.h": parameter_structures(), "signal_numbers.h": signal_numbers()}
+    return texts | {
+        "parameters.h": parameter_structures(),
+        "interface_structures.h": interface_structures(),
+        "signal_numbers.h": signal_numbers(),
+    }
 
 
 def live(fmu: Path, folder: Path, way: str) -> list[int]:

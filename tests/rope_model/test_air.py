@@ -31,7 +31,8 @@ from rope_model import (
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics.air import AirCoefficients, air_coefficients
 from rope_model.physics.air_element import AIR_BALANCE, air_functions
-from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, ElementFidelity
+from rope_model.physics.element import ELEMENT_DOF, ElementFidelity
+from rope_model.physics.node import NODE_DOF
 from rope_model.shaft_parameters import Air, Shaft, Sump
 
 LAW = air_coefficients(Air(density=1.2, drag=1.1, vx=1.0, vy=2.0, vz=-3.0), 0.044, 2.0)

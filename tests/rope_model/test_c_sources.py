@@ -1,8 +1,13 @@
 """The engine's C files before they are compiled, and the compiler that the tests take."""
 
+import ctypes as ct
 import os
+import re
 import subprocess
+from collections import defaultdict
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from checkout import QUICK
@@ -10,6 +15,7 @@ from checkout import QUICK
 from fmu_src.native.export import model_sources
 from rope_model.codegen.build import written
 from rope_model.compiler import find_compiler
+from rope_model.engine import declare
 
 
 def write(file: Path, text: str = "") -> None:
@@ -59,3 +65,38 @@ def test_no_test_compiles_a_wrong_call_or_a_name_that_hides_another(
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode != 0
     assert "[-Werror" in done.stderr
+
+
+class Library(defaultdict[str, SimpleNamespace]):
+    """Library whose functions note the types that they are given."""
+
+    def __getattr__(self, name: str) -> SimpleNamespace:
+        return self[name]
+
+
+def kind_of_ctypes(of: Any) -> str:
+    """Return what a type of ctypes holds, as ``kind_in_c``."""
+    kinds = {None: "void", ct.c_double: "double", ct.c_int: "int", ct.c_size_t: "size_t"}
+    return kinds.get(of, "address")
+
+
+def kind_in_c(declared: str) -> str:
+    """Return what a declaration of rope.h holds: an address, a number, an int for an enumeration, or nothing."""
+    if re.search(r"[*\[]", declared):
+        return "address"
+    return declared.split()[0].replace("RopeStatus", "int")
+
+
+def test_each_function_that_python_calls_has_the_types_of_its_prototype() -> None:
+    library: Any = Library(SimpleNamespace)
+    declare(library)
+    text = next(path for path in written() if path.name == "rope.h").read_text(encoding="utf-8")
+    text = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
+    prototypes = re.findall(r"^(\w[\w ]*[ *]+)(rope_\w+)\(([^;]*)\);", text, flags=re.M)
+    in_c = {
+        name: [kind_in_c(result), *map(kind_in_c, re.sub(r"\s+", " ", taken).split(", "))]
+        for result, name, taken in prototypes
+    }
+    for name, function in library.items():
+        types = [function.restype, *function.argtypes]
+        assert [*map(kind_of_ctypes, types)] == in_c[name], name

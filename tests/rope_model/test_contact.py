@@ -71,10 +71,10 @@ def touched(seed: int) -> tuple[Body, tuple[float, ...]]:
 
 
 def law(
-    body: Body, point: Any, speed: Any = REST, cq: float = 0.0, cv: float = 0.0, **changed: float
+    body: Body, point: Any, speed: Any = REST, c_q: float = 0.0, c_v: float = 0.0, **changed: float
 ) -> ContactTerms:
     return contact_law(
-        Contact(**changed), DIAMETER, body, (0.1, -0.2, 0.3), tuple(point), tuple(speed), cq, cv
+        Contact(**changed), DIAMETER, body, (0.1, -0.2, 0.3), tuple(point), tuple(speed), c_q, c_v
     )
 
 
@@ -142,11 +142,11 @@ def test_the_tangent_is_the_forces_derivative_where_nothing_is_left_out(seed: in
     body, point = touched(seed)
     n = np.array(normal(point, body))
     upper = np.zeros((3, 3))
-    upper[np.triu_indices(3)] = law(body, point, cq=1.0, friction=0.0, damping=0.0).tangent
+    upper[np.triu_indices(3)] = law(body, point, c_q=1.0, friction=0.0, damping=0.0).tangent
     stiffness = difference(lambda p: law(body, p, friction=0.0, damping=0.0).force, point, 1e-6)
     assert_allclose(n @ (np.triu(upper, 1).T + upper) @ n, -n @ stiffness @ n, rtol=1e-5)
     speed = np.array((0.3, 0.1, -0.2))
-    upper[np.triu_indices(3)] = law(body, point, speed, cv=1.0, damping=0.0).tangent
+    upper[np.triu_indices(3)] = law(body, point, speed, c_v=1.0, damping=0.0).tangent
     damping = difference(lambda v: law(body, point, v, damping=0.0).force, speed, 1e-6)
     assert_allclose(np.triu(upper, 1).T + upper, -damping, atol=1e-6 * np.abs(damping).max())
 

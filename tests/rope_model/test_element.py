@@ -21,7 +21,8 @@ from numpy.polynomial.polynomial import polyder, polyval
 from shared import Array, difference, rotation
 
 from rope_model.physics import costello
-from rope_model.physics.element import BALANCE, ELEMENT_DOF, NODE_DOF, element_functions
+from rope_model.physics.element import BALANCE, ELEMENT_DOF, element_functions
+from rope_model.physics.node import NODE_DOF
 
 
 def interpolate(x: Array, xi: Array, l: float) -> tuple[Array, Array, Array]:

@@ -2,8 +2,9 @@
 
 import ctypes as ct
 import random
+from enum import Enum
 from itertools import chain
-from typing import Any, get_type_hints
+from typing import Any, get_args, get_type_hints
 
 import casadi as ca
 import numpy as np
@@ -12,17 +13,42 @@ from native_parts import compiled
 from numpy.testing import assert_allclose
 
 from rope_model.codegen.expressions import texts_of
-from rope_model.codegen.formula_functions import function_code, shape_of, symbols_of
+from rope_model.codegen.formula_functions import function_code
 from rope_model.codegen.formulas import FORMULAS
 from rope_model.codegen.messages import texts
-from rope_model.codegen.rules import FACTS, number_code, table_code
-from rope_model.codegen.signatures import Argument, Formula
-from rope_model.codegen.structures import GROUPS, SceneStructure
+from rope_model.codegen.rules import TABLES, table_code
+from rope_model.codegen.signatures import Argument, Formula, shape_of
+from rope_model.codegen.state_structures import PARTS, PatternStructure, StateStructure
+from rope_model.codegen.structures import GROUPS, SceneStructure, ShaftStructure
+from rope_model.codegen.symbols import Word, symbols_of
 from rope_model.messages import fidelity_messages
-from rope_model.method.mesh_pattern import InnerCounts
+from rope_model.method.mesh_pattern import InnerCounts, Pattern
 from rope_model.parameters import Scene, Swivel
+from rope_model.physics.air import AirCoefficients
+from rope_model.physics.air_element import COEFFICIENTS_SIZE
 from rope_model.physics.elementary import Scalar, where
+from rope_model.shaft_parameters import Shaft
+from rope_model.signals.signal_groups import group_of
+from rope_model.signals.signal_table import SIGNALS
+from rope_model.signals.state_signals import STATE_SIGNALS
+from rope_model.solver_parameters import FidelityChoice
+from rope_model.state import RopeState
 
+#: formulas that Python evaluates on numbers; derivatives are for C alone
+CALLABLE = [
+    Formula(function)
+    for function in FORMULAS
+    if function.__module__ != "rope_model.codegen.derivatives"
+]
+#: structures that have members of their own in C
+STRUCTURES: dict[Any, type[ct.Structure]] = {
+    **GROUPS,
+    **PARTS,
+    Scene: SceneStructure,
+    Shaft: ShaftStructure,
+    RopeState: StateStructure,
+    Pattern: PatternStructure,
+}
 #: where a formula asks for more than a number between 0.5 and 1
 VALUES = {"number": 800.0}
 
@@ -31,7 +57,7 @@ VALUES = {"number": 800.0}
 def library(tmp_path_factory: pytest.TempPathFactory) -> Any:
     """A library with every formula as a function of its own: `name`_ calls `name`."""
     code = ['#include "formulas.h"', ""]
-    for formula in FORMULAS:
+    for formula in CALLABLE:
         arguments = formula.arguments
         if formula.result is not None:
             arguments.append(formula.result)
@@ -53,10 +79,8 @@ def test_a_sum_of_two_conditional_terms_keeps_both_conditions() -> None:
 
 
 def c_structure(kind: type[Any]) -> type[ct.Structure]:
-    if kind is Scene:
-        return SceneStructure
-    if kind in GROUPS:
-        return GROUPS[kind]
+    if kind in STRUCTURES:
+        return STRUCTURES[kind]
     fields = [
         (name, c_structure(hint) if hasattr(hint, "_fields") else c_numbers(shape_of(hint)))
         for name, hint in get_type_hints(kind).items()
@@ -72,6 +96,10 @@ def c_numbers(shape: tuple[int, ...]) -> Any:
 
 def with_numbers(symbolic: Any, chance: random.Random) -> Any:
     """The same with a number in place of each symbol."""
+    if isinstance(symbolic, Word):
+        return chance.choice(symbolic.words)
+    if isinstance(symbolic, ca.SX) and symbolic.name().startswith("(double)"):
+        return float(chance.randrange(10))
     if isinstance(symbolic, ca.SX):
         return VALUES.get(symbolic.name(), chance.uniform(0.5, 1.0))
     if isinstance(symbolic, tuple):
@@ -79,39 +107,57 @@ def with_numbers(symbolic: Any, chance: random.Random) -> Any:
         if hasattr(symbolic, "_fields"):
             return type(symbolic)(*parts)
         return tuple(parts)
-    made = object.__new__(type(symbolic))
+    kind = type(symbolic)
+    made = kind.__new__(kind)
     vars(made).update({name: with_numbers(part, chance) for name, part in vars(symbolic).items()})
     return made
 
 
 def in_c(value: Any, argument: Argument) -> Any:
     if argument.structure is not None:
-        return ct.byref(fill(c_structure(argument.structure)(), value))
+        return ct.byref(fill(c_structure(argument.structure)(), value, argument.structure))
+    if argument.words:
+        return argument.words.index(value)
     if isinstance(value, float):
         return ct.c_double(value)
+    if argument.whole:
+        return np.array(value, dtype=np.intc).ctypes.data_as(ct.c_void_p)
     return np.array(value).ctypes.data_as(ct.c_void_p)
 
 
-def fill(structure: ct.Structure, value: Any) -> ct.Structure:
-    parts = value._asdict() if isinstance(value, tuple) else vars(value)
+def fill(structure: ct.Structure, value: Any, kind: type[Any]) -> ct.Structure:
+    """Give the members of a structure in C the values of an object of ``kind``."""
+    hints = get_type_hints(kind)
+    parts = value._asdict() if hasattr(value, "_asdict") else vars(value)
     for name, part in parts.items():
-        if isinstance(part, float):
-            setattr(structure, name, part)
-        elif isinstance(part, tuple):
-            np.frombuffer(getattr(structure, name))[:] = flat(part)
+        if name in ("left", "right") and kind is Scene:
+            fill(structure.swivels[name == "right"], part, hints[name])
+        elif not hasattr(structure, name):
+            continue  # C has it in another form, or not: what an object has computed, a state's motion
+        elif isinstance(part, float):
+            whole = not isinstance(getattr(structure, name), float)
+            setattr(structure, name, int(part) if whole else part)
+        elif isinstance(part, Enum):
+            setattr(structure, name, part.value)
+        elif isinstance(part, str):
+            setattr(structure, name, get_args(hints[name]).index(part))
+        elif isinstance(part, tuple) and not hasattr(part, "_fields"):
+            member = getattr(structure, name)
+            whole = get_args(hints.get(name)) and int in get_args(hints[name])
+            np.frombuffer(member, np.intc if whole or kind is Pattern else float)[:] = flat(part)
         else:
-            fill(getattr(structure, name), part)
+            fill(getattr(structure, name), part, hints[name])
     return structure
 
 
 def flat(value: Any) -> list[float]:
-    if isinstance(value, float):
-        return [value]
+    if isinstance(value, float | int):
+        return [float(value)]
     parts = value if isinstance(value, tuple) else vars(value).values()
     return [*chain.from_iterable(map(flat, parts))]
 
 
-@pytest.mark.parametrize("formula", FORMULAS, ids=lambda formula: formula.name)
+@pytest.mark.parametrize("formula", CALLABLE, ids=lambda formula: formula.name)
 def test_c_computes_the_formula_to_the_bit(library: Any, formula: Formula) -> None:
     function = getattr(library, f"{formula.name}_")
     chance = random.Random(formula.name)
@@ -189,11 +235,13 @@ def test_c_says_what_python_says(spoken: ct.CDLL, name: str) -> None:
 
 
 def test_the_type_of_a_rules_argument_in_c_follows_from_its_annotation() -> None:
-    def reach(rope_data: Scene, friend: Swivel, how: str, parts: InnerCounts, x: Scalar) -> Scalar:
+    def reach(
+        rope_data: Scene, friend: Swivel, how: FidelityChoice, parts: InnerCounts, x: Scalar
+    ) -> Scalar:
         return where(how == "rigid", parts[4] * rope_data.left.inertia, x * friend.inertia)
 
-    head = "double reach(const Scene *rope_data, const Swivel *friend, int how, const int parts[5], double x)"
-    assert head in number_code(reach)
+    facts = "const Scene *rope_data, const Swivel *friend, int how, const int parts[5], double x"
+    assert f"double test_formulas_reach({facts})" in function_code(Formula(reach))
 
 
 def test_a_rules_argument_without_a_type_in_c_is_refused() -> None:
@@ -201,7 +249,7 @@ def test_a_rules_argument_without_a_type_in_c_is_refused() -> None:
         return scene.rope.length * x["factor"]
 
     with pytest.raises(TypeError, match=r"x has the annotation .* no type in C: annotate it"):
-        number_code(scaled)
+        function_code(Formula(scaled))
 
 
 def test_a_table_whose_formula_takes_other_facts_is_refused() -> None:
@@ -209,4 +257,26 @@ def test_a_table_whose_formula_takes_other_facts_is_refused() -> None:
         return (scene.rope.length > left,)
 
     with pytest.raises(TypeError, match=r"applies of the table torque takes .* it must take"):
-        table_code("torque", {fidelity_messages.coupled: applies}, FACTS["torque"])
+        table_code("torque", {fidelity_messages.coupled: applies}, TABLES["torque"].facts)
+
+
+def test_a_choice_compared_with_a_word_it_does_not_have_is_refused() -> None:
+    def is_free(swivel: Swivel) -> Scalar:
+        return swivel.mode == "fre"
+
+    with pytest.raises(ValueError, match="swivel->mode is never 'fre': compare it with one of"):
+        function_code(Formula(is_free))
+
+
+def test_every_output_that_is_stored_in_the_state_is_in_the_table_of_outputs() -> None:
+    assert set(STATE_SIGNALS) <= set(SIGNALS)
+
+
+def test_an_output_of_an_unknown_group_is_refused() -> None:
+    with pytest.raises(KeyError, match="sheave"):
+        group_of("sheave.force")
+
+
+def test_numbers_of_the_air_law_return_to_their_coefficients() -> None:
+    numbers = [*range(COEFFICIENTS_SIZE)]
+    assert AirCoefficients.from_numbers(numbers).numbers() == numbers

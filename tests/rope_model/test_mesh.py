@@ -22,8 +22,8 @@ from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.parameters import Winding
 from rope_model import Model, Scene, Swivel, balance_rope
 from rope_model.method import mesh_pattern as tmn
-from rope_model.method.mesh_fit import DUE
-from rope_model.method.mesh_pattern import NO_DIVIDERS, inner_length, min_outer, transformation_due
+from rope_model.method.mesh_fit import DUE, NO_DIVIDERS
+from rope_model.method.mesh_pattern import inner_length, min_outer, transformation_due
 from rope_model.method.partition import Partition
 from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.physics.node import ANGLE, POSITION, SLOPE

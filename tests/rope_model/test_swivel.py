@@ -25,7 +25,7 @@ from rope_model import (
 )
 from rope_model.boundary.end_conditions import YAW_SENSE
 from rope_model.codegen.build import written
-from rope_model.codegen.rules import rules_code
+from rope_model.codegen.formula_functions import formulas_code
 from rope_model.method import swivel_phases
 from rope_model.method.statics import lacks_symmetry
 from rope_model.method.swivel_phases import Phase, SwivelState, swivel_excess
@@ -101,12 +101,12 @@ def test_equations_and_outputs_follow_one_friction_law(
 
 def test_all_c_of_a_swivels_friction_follows_one_law(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(swivel_phases, "friction_law", _another_law)
-    code = rules_code()
+    code = formulas_code()
     for name in (
-        "frictionless",
-        "kinetic_friction",
-        "slip_constant",
-        "beyond_rest",
+        "swivel_phases_frictionless",
+        "swivel_phases_kinetic_friction",
+        "swivel_phases_slip_constant",
+        "swivel_phases_beyond_rest",
         "moment_of_swivel",
         "swivel_excess",
     ):

@@ -14,12 +14,12 @@ from wire_scenes import scene
 from rope_model import Rope, Solver
 from rope_model.physics.element import (
     ELEMENT_DOF,
-    NODE_DOF,
     POINTS,
     ElementFidelity,
     element_functions,
     parameters,
 )
+from rope_model.physics.node import NODE_DOF
 from rope_model.physics.wire_element import TANGENT_SIZE, wire_functions
 from rope_model.physics.wire_friction import (
     POINT_STATE_SIZE,

@@ -13,7 +13,7 @@ typedef struct {
 
 /* Place the bodies of the shaft for rope ends at `ends`; return their number. */
 int placed_bodies(const Shaft *shaft, const double *const ends[2], Placed *bodies);
-/* Box around a group of elements from `first` on, for body_min_distance; return the element after the group. */
+/* Box around a group of elements from `first` on, for shaft_min_distance; return the element after the group. */
 int bodies_group(int elements, const double *lengths, const double *q, int first, double box[6]);
 
 #endif

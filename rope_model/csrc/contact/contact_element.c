@@ -20,33 +20,33 @@ typedef struct {
 } ContactPair;
 
 /* Integration points of the parts in contact.  A cell has two monotone sides, a side two pieces. */
-enum { MAX_PRESSED = 4 * CONTACT_CELLS * CONTACT_POINTS };
+enum { MAX_PRESSED = 4 * CONTACT_POINTS_CELLS * CONTACT_POINTS };
 typedef struct {
     int count;
     double points[MAX_PRESSED][2]; /* element coordinate and weight */
 } Pressed;
 
 static Probe probe_at(const ContactPair *pair, double place) {
-    return contact_probe(place, pair->l, pair->a, pair->b, pair->diameter, pair->body);
+    return contact_points_probe(place, pair->l, pair->a, pair->b, pair->diameter, pair->body);
 }
 
 /* Return the extremum of the depth between two probes, or the second of them. */
 static Probe turn_between(const ContactPair *pair, Probe start, Probe stop) {
     if (!(start.rate * stop.rate < 0)) return stop;
-    for (int k = 0; k < CONTACT_HALVINGS; k++) {
+    for (int k = 0; k < CONTACT_POINTS_HALVINGS; k++) {
         const Probe middle = probe_at(pair, 0.5 * (start.place + stop.place));
         if (start.rate * middle.rate > 0)
             start = middle;
         else
             stop = middle;
     }
-    return probe_at(pair, contact_turning(&start, &stop));
+    return probe_at(pair, contact_points_turning(&start, &stop));
 }
 
 /* Return the place between two where the depth is `level`. */
 static double place_of_depth(const ContactPair *pair, Probe outer, double inner, double level) {
-    for (int k = 0; k < CONTACT_STEPS; k++) {
-        const double place = contact_reaching(&outer, inner, level);
+    for (int k = 0; k < CONTACT_POINTS_STEPS; k++) {
+        const double place = contact_points_reaching(&outer, inner, level);
         if (place == outer.place) break;
         const Probe found = probe_at(pair, place);
         if (found.depth < level)
@@ -59,7 +59,8 @@ static double place_of_depth(const ContactPair *pair, Probe outer, double inner,
 
 /* Add the integration points between two probes with monotone depth between them. */
 static void add_side(const ContactPair *pair, Probe one, Probe two, Pressed *pressed) {
-    static const double levels[] = CONTACT_LEVELS, parts[] = CONTACT_PARTS, weights[] = CONTACT_WEIGHTS;
+    static const double levels[] = CONTACT_POINTS_LEVELS, parts[] = CONTACT_POINTS_PARTS,
+                        weights[] = CONTACT_POINTS_WEIGHTS;
     const Probe deeper = one.depth > two.depth ? one : two, other = one.depth > two.depth ? two : one;
     double before = deeper.place, place;
     for (int k = 0; k < (int)(sizeof levels / sizeof *levels); k++, before = place) {
@@ -81,8 +82,8 @@ static void find_pressed(const System *sys, int element, int k, const double *q,
     pressed->count = 0;
     if (!(sys->obstacles->near[element] & 1u << k)) return;
     Probe start = probe_at(&pair, 0.0);
-    for (int cell = 1; cell <= CONTACT_CELLS; cell++) {
-        const Probe stop = probe_at(&pair, (double)cell / CONTACT_CELLS);
+    for (int cell = 1; cell <= CONTACT_POINTS_CELLS; cell++) {
+        const Probe stop = probe_at(&pair, (double)cell / CONTACT_POINTS_CELLS);
         const Probe turn = turn_between(&pair, start, stop);
         add_side(&pair, start, turn, pressed);
         add_side(&pair, turn, stop, pressed);
@@ -97,7 +98,7 @@ typedef struct {
 } ContactPoint;
 
 static ContactPoint contact_point_of(const System *sys, int element, int k, const double point[2], const double *q,
-                                     const double *v, double cq, double cv) {
+                                     const double *v, double c_q, double c_v) {
     const Obstacles *obstacles = sys->obstacles;
     ContactPoint found = {.weight = sys->lengths[element] * point[1]};
     double r[3], speed[3];
@@ -105,7 +106,7 @@ static ContactPoint contact_point_of(const System *sys, int element, int k, cons
     at_places(q, element, found.N, r);
     at_places(v, element, found.N, speed);
     found.terms = contact_law(&obstacles->scene->shaft.contact, obstacles->scene->rope.diameter,
-                              &obstacles->placed[k].body, obstacles->speeds[k], r, speed, cq, cv);
+                              &obstacles->placed[k].body, obstacles->speeds[k], r, speed, c_q, c_v);
     return found;
 }
 

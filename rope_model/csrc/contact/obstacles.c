@@ -1,7 +1,7 @@
 /* Bodies around a rope for its equations of motion: positions, velocities, and distances from its elements.
 
    A moving body follows an end of the rope, whose rows in q and v give its position and velocity. Rope below a
-   conveyance touches neither it nor its head ropes within UNCHECKED_LENGTH of the suspension. */
+   conveyance touches neither it nor its head ropes within CONTACT_UNCHECKED_LENGTH of the suspension. */
 
 #include "obstacles.h"
 
@@ -28,7 +28,8 @@ bool clearance_exceeds(const System *sys, const ClearanceCache *cache, const dou
     if (!(cache->free > least) || memcmp(cache->lengths, l, sizeof(double) * (size_t)sys->elements) != 0) return false;
     for (int node = 0; node <= sys->elements; node++, q += DOF, before += DOF) {
         const double longest = maximum(l[node > 0 ? node - 1 : 0], l[node < sys->elements ? node : node - 1]);
-        if (!(cache->free - largest_motion(longest, q, before) > least)) return false; /* also if it is not a number */
+        if (!(cache->free - contact_largest_motion(longest, q, before) > least))
+            return false; /* also if it is not a number */
     }
     return true;
 }
@@ -47,7 +48,7 @@ static void place_bodies(const System *sys, const double *q, const double *v) {
 
 /* Return a lower bound of the distance of the rope's surface in a box from body k. */
 static double min_distance(const System *sys, int k, const double box[6]) {
-    return body_min_distance(box, box + 3, &sys->obstacles->placed[k].body) -
+    return shaft_min_distance(box, box + 3, &sys->obstacles->placed[k].body) -
            0.5 * sys->obstacles->scene->rope.diameter;
 }
 
@@ -61,8 +62,8 @@ static bool search_elements(const System *sys, const double *q, int k, int first
         const double middle = along + 0.5 * sys->lengths[e];
         const double *x = q + (size_t)e * DOF;
         double box[6];
-        if (side != FIXED && (side == LEFT ? middle : total - middle) < UNCHECKED_LENGTH) continue;
-        enclosing_box(sys->lengths[e], x, x + DOF, box);
+        if (side != FIXED && (side == LEFT ? middle : total - middle) < CONTACT_UNCHECKED_LENGTH) continue;
+        centreline_enclosing_box(sys->lengths[e], x, x + DOF, box);
         const double distance = min_distance(sys, k, box);
         obstacles->cache.free = minimum(obstacles->cache.free, distance);
         if (!(distance < margin) || obstacles->near[e] & 1u << k) continue;
@@ -109,7 +110,8 @@ void find_near_bodies(const System *sys, const double *q, const double *v, doubl
 
 bool add_near_bodies(const System *sys, const double *q, double corrections) {
     Obstacles *obstacles = sys->obstacles;
-    if (obstacles == NULL || correction_motion(corrections, obstacles->longest, sys->shortest) < obstacles->margin)
+    if (obstacles == NULL ||
+        contact_correction_motion(corrections, obstacles->longest, sys->shortest) < obstacles->margin)
         return false;
     obstacles->margin = 0;
     return !clearance_exceeds(sys, &obstacles->cache, q, 0) && search_bodies(sys, q, 0, ~0u);

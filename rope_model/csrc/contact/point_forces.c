@@ -12,7 +12,7 @@
 void elements_at(const System *sys, int index, PointForce *point) {
     const PointForces *forces = sys->forces;
     const double *place = forces->places[index];
-    const double fraction = time_fraction(forces->start, forces->stop, sys->time);
+    const double fraction = point_forces_time_fraction(forces->start, forces->stop, sys->time);
     while (point->element < sys->elements - 1 && place[0] > point->start + sys->lengths[point->element])
         point->start += sys->lengths[point->element++];
     hermite_shape_functions((place[0] - point->start) / sys->lengths[point->element], sys->lengths[point->element],
@@ -41,6 +41,6 @@ void point_forces_push(const System *sys, const double *q, const double *v, doub
         at_places(v, point.element, point.N, speed);
         point_load(place, point.force, load);
         for (int k = 0; k < 6; k++) sums[CONTACT_LOAD + k] += load[k];
-        sums[CONTACT_MOVED] += dot(point.force, speed);
+        sums[CONTACT_MOVED] += elementary_dot(point.force, speed);
     }
 }

@@ -18,7 +18,7 @@
 
 static double length_between(const double a[3], const double b[3]) {
     const double across[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return sqrt(dot(across, across));
+    return sqrt(elementary_dot(across, across));
 }
 
 /* Return a lower bound of the distance between points in two boxes. */
@@ -35,7 +35,7 @@ static int near_elements(const System *sys, int element) {
     double along = 0;
     int count = 0;
     for (int e = element + 1; e < sys->elements; along += sys->lengths[e++]) {
-        if (along < MIN_ARC * diameter) continue;
+        if (along < ROPE_CONTACT_MIN_ARC * diameter) continue;
         const double gap = gap_of(self_contact->boxes[element], self_contact->boxes[e]);
         self_contact->cache.free = minimum(self_contact->cache.free, gap);
         if (!(gap < diameter)) continue;
@@ -58,7 +58,7 @@ static double nearest_place(const System *sys, const double *q, int element, con
         if (distance < least) *xi = probes[k];
         least = minimum(least, distance);
     }
-    for (int k = 0; k < CORRECTIONS; k++) *xi = nearer_xi(*xi, l, point, a, a + DOF);
+    for (int k = 0; k < ROPE_CONTACT_CORRECTIONS; k++) *xi = rope_contact_nearer_xi(*xi, l, point, a, a + DOF);
     hermite_shape_functions(*xi, l, N);
     at_places(q, element, N, place);
     return length_between(place, point);
@@ -101,7 +101,8 @@ static int next_strand(const System *sys, int others) {
     }
     if (nearest < 0) return -1;
     for (int n = 0; n < others; n++)
-        if (fabs(arc_gap(sys, n) - arc_gap(sys, nearest)) < MIN_ARC * diameter) self_contact->distances[n] = INFINITY;
+        if (fabs(arc_gap(sys, n) - arc_gap(sys, nearest)) < ROPE_CONTACT_MIN_ARC * diameter)
+            self_contact->distances[n] = INFINITY;
     return nearest;
 }
 
@@ -110,7 +111,7 @@ static void search_element(const System *sys, const double *q, const double *v, 
                            int others) {
     SelfContactState *self_contact = sys->self_contact;
     const double diameter = self_contact->scene->rope.diameter, l = sys->lengths[element];
-    const int count = (int)number_of_points(l, diameter);
+    const int count = (int)rope_contact_number_of_points(l, diameter);
     const double weight = l / count;
     for (int k = 0; k < count;) {
         SelfContact contact = {.elements = {element, 0}, .weight = weight};
@@ -123,7 +124,7 @@ static void search_element(const System *sys, const double *q, const double *v, 
         }
         if (least < self_contact->nearest[0]) self_contact->nearest[1] = point[1];
         self_contact->nearest[0] = minimum(self_contact->nearest[0], least);
-        const int strands = self_contact->presses && least < diameter ? MAX_STRANDS : 0;
+        const int strands = self_contact->presses && least < diameter ? ROPE_CONTACT_MAX_STRANDS : 0;
         for (int strand = 0; strand < strands; strand++) {
             const int n = next_strand(sys, others);
             if (n < 0) break;
@@ -132,20 +133,20 @@ static void search_element(const System *sys, const double *q, const double *v, 
             add_self_contact(sys, q, v, c, N, contact);
         }
         /* Skip places farther than a diameter.  A distance that is not a number ends the search. */
-        k += 1 + (int)points_skipped(least, diameter, weight, count);
+        k += 1 + (int)rope_contact_points_skipped(least, diameter, weight, count);
     }
 }
 
-int find_self_contacts(const System *sys, const double *q, const double *v, double cq, double cv) {
+int find_self_contacts(const System *sys, const double *q, const double *v, double c_q, double c_v) {
     SelfContactState *self_contact = sys->self_contact;
-    const double c[2] = {cq, cv};
+    const double c[2] = {c_q, c_v};
     self_contact->count = 0;
     self_contact->nearest[0] = self_contact->scene->rope.diameter;
     if (clearance_exceeds(sys, &self_contact->cache, q, self_contact->scene->rope.diameter)) return 0;
     remember_configuration(sys, &self_contact->cache, q);
     for (int e = 0; e < sys->elements; e++) {
         const double *a = q + (size_t)e * DOF;
-        enclosing_box(sys->lengths[e], a, a + DOF, self_contact->boxes[e]);
+        centreline_enclosing_box(sys->lengths[e], a, a + DOF, self_contact->boxes[e]);
     }
     for (int e = 0; e < sys->elements; e++) {
         const int others = near_elements(sys, e);

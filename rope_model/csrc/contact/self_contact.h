@@ -38,8 +38,8 @@ typedef struct SelfContactState {
 } SelfContactState;
 enum { CG_ARRAYS = 4 };
 
-/* Find contacts of the rope with itself, with tangents along (cq, cv) of q and v; return their number. */
-int find_self_contacts(const System *sys, const double *q, const double *v, double cq, double cv);
+/* Find contacts of the rope with itself, with tangents along (c_q, c_v) of q and v; return their number. */
+int find_self_contacts(const System *sys, const double *q, const double *v, double c_q, double c_v);
 void self_contact_take_force(const SelfContactState *self_contact, double *R); /* Subtract forces from R. */
 /* Add the product of the tangent with x to y. */
 void self_contact_times(const SelfContactState *self_contact, const double *x, double *y);

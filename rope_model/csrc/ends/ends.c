@@ -33,7 +33,7 @@ const char *side_name(int side) {
     return side == LEFT ? "left" : "right";
 }
 
-static const double SENSE_OF_YAW[2] = YAW_SENSE;
+static const double SENSE_OF_YAW[2] = END_CONDITIONS_YAW_SENSE;
 
 static int largest(int axes, const double *sizes) {
     int worst = 0;
@@ -46,10 +46,10 @@ double end_strain(const Scene *scene, int nodes, const double *q, const double *
     const int attachment = scene->swivels[side].attachment, to_next = attachment != CLAMPED ? 0 : side ? -DOF : DOF;
     const double *t = end_row(q, nodes, side) + to_next + SLOPE;
     const double *y = end_row(x, nodes, side) + to_next + SLOPE;
-    return attachment == PLUMB ? y[1] : dot(y, t) / sqrt(dot(t, t));
+    return attachment == PLUMB ? y[1] : elementary_dot(y, t) / sqrt(elementary_dot(t, t));
 }
 
-RopeStatus check_motion(const Scene *scene, const EndMotion *target, const double measures[14], int side,
+RopeStatus check_motion(const Scene *scene, const EndMotion *target, const double measures[PATH_MEASURES], int side,
                         char *message) {
     const Inputs *inputs = &scene->inputs;
     static const char *const names[] = END_MOTION_NAMES;
@@ -74,7 +74,7 @@ RopeStatus check_motion(const Scene *scene, const EndMotion *target, const doubl
                                     inputs->misfit_max);
         const double bandwidth = filter_settings(scene, inputs->given).estimate;
         return say_input_jump(message, side_name(side), AXIS_NAMES[worst], misfits[worst], unit, inputs->misfit_max,
-                              MAX_LAG / bandwidth, bandwidth);
+                              INPUT_FILTER_MAX_LAG / bandwidth, bandwidth);
     }
     const int worst = largest(PEAKS, measures);
     if (!(measures[worst] <= inputs->acceleration_max))
@@ -103,7 +103,7 @@ double ends_moment(const Scene *scene, const State *state, const NodalArrays *no
 }
 
 void ends_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]) {
-    const EndMotion now = path_at(&state->paths[side], t);
+    const EndMotion now = end_path_at(&state->paths[side], t);
     relative[0] = theta - state->offsets[side] - SENSE_OF_YAW[side] * now.yaw;
     relative[1] = theta_t - SENSE_OF_YAW[side] * now.yaw_rate;
 }
@@ -122,16 +122,16 @@ void ends_prescribed_motion(const Scene *scene, const State *state, int side, do
              state->offsets[side] + state->swivels[side].angle, rows);
     if (scene->swivels[side].attachment != CLAMPED) return;
     double leans[2][3], n[3][3];
-    path_lean_motion(&state->paths[side], t, leans);
-    clamp_axis(leans[0], leans[1], n);
+    end_path_lean_motion(&state->paths[side], t, leans);
+    end_conditions_clamp_axis(leans[0], leans[1], n);
     for (int k = 0; k < 9; k++) rows[k / 3][SLOPE + k % 3] = -SENSE_OF_YAW[side] * n[k / 3][k % 3];
 }
 
-double bottom_arc_length(const Scene *scene, const Path paths[2], double t) {
-    const double left = path_height(&paths[LEFT], t), right = path_height(&paths[RIGHT], t);
+double bottom_arc_length(const Scene *scene, const EndPath paths[2], double t) {
+    const double left = end_path_height(&paths[LEFT], t), right = end_path_height(&paths[RIGHT], t);
     return 0.5 * (scene->rope.length + left - right);
 }
 
-void dividers_on_rope(const Scene *scene, const Path paths[2], double t, double *divider_s) {
-    mesh_dividers(scene, path_height(&paths[LEFT], t), path_height(&paths[RIGHT], t), divider_s);
+void dividers_on_rope(const Scene *scene, const EndPath paths[2], double t, double *divider_s) {
+    mesh_dividers(scene, end_path_height(&paths[LEFT], t), end_path_height(&paths[RIGHT], t), divider_s);
 }

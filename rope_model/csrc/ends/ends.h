@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "formulas.h"
 #include "state_structures.h"
 
 /* Return "left" or "right". */
@@ -23,8 +24,9 @@ static inline void set_end_value(EndMotion *motion, int index, double value) {
     memcpy((char *)motion + offsets[index], &value, sizeof value);
 }
 
-/* Refuse a target motion that is out of range, or whose `measures`, from path_measures, exceed the scene's. */
-RopeStatus check_motion(const Scene *scene, const EndMotion *target, const double measures[14], int side,
+/* Refuse a target motion that is out of range, or whose `measures`, from input_filter_path_measures, exceed the
+ * scene's. */
+RopeStatus check_motion(const Scene *scene, const EndMotion *target, const double measures[PATH_MEASURES], int side,
                         char *message);
 /* Return the axial strain at an end, in an array x like q; of the next node where a clamp gives this one's. */
 double end_strain(const Scene *scene, int nodes, const double *q, const double *x, int side);
@@ -42,8 +44,8 @@ void ends_freedom(const Scene *scene, const State *state, int side, bool free[DO
 /* Prescribed q, v and a of an end. */
 void ends_prescribed_motion(const Scene *scene, const State *state, int side, double t, double rows[3][DOF]);
 /* Return the arc length of the loop's lowest point from the heights of the ends at t. */
-double bottom_arc_length(const Scene *scene, const Path paths[2], double t);
+double bottom_arc_length(const Scene *scene, const EndPath paths[2], double t);
 /* Call mesh_dividers with the heights of the ends at t. */
-void dividers_on_rope(const Scene *scene, const Path paths[2], double t, double *divider_s);
+void dividers_on_rope(const Scene *scene, const EndPath paths[2], double t, double *divider_s);
 
 #endif

@@ -22,14 +22,15 @@ void unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2
     const EndMotion *right = &ends[RIGHT];
     cause[0] = '\0';
     if (fidelity == TORSIONAL) return;
-    const int index = (int)unsupported_input(scene, fidelity, left, right);
+    const int index = (int)fidelity_rules_unsupported_input(scene, fidelity, left, right);
     char why[MESSAGE];
     if (index == 0 && scene->model.fidelity == AUTO_FIDELITY)
         tell_unsupported(scene, fidelity, left, right, forces, cause);
     if (index == 0 && fidelity == RIGID && forces > 0) say_applied_forces(cause);
     if (index == 0) return;
     input_text(ends, index, cause);
-    if (fidelity == SPATIAL && out_of_plane(index)) say_while_swivels_hold(cause, memcpy(why, cause, sizeof why));
+    if (fidelity == SPATIAL && fidelity_rules_out_of_plane(index))
+        say_while_swivels_hold(cause, memcpy(why, cause, sizeof why));
 }
 
 int lowest_sufficient(const Scene *scene, const EndMotion ends[2], int forces) {
@@ -50,7 +51,7 @@ int choose_fidelity(const Scene *scene, const EndMotion ends[2], int forces, cha
         return scene->model.fidelity;
     }
     if (tell_complete_model(scene, forces, reason)) return TORSIONAL;
-    const int index = (int)held_input(left, right), estimated = scene->model.force_tolerance > 0;
+    const int index = (int)fidelity_rules_held_input(left, right), estimated = scene->model.force_tolerance > 0;
     if (index > 0) {
         input_text(ends, index, why);
         say_held_where_initialised(reason, why);
@@ -58,7 +59,7 @@ int choose_fidelity(const Scene *scene, const EndMotion ends[2], int forces, cha
     }
     const int fidelity = estimated ? lowest_sufficient(scene, ends, forces) : TORSIONAL;
     if (tell_sufficient(scene, fidelity, left, right, reason))
-        return carries_torque(scene) || fidelity == RIGID ? fidelity : PLANAR;
+        return fidelity_rules_carries_torque(scene) || fidelity == RIGID ? fidelity : PLANAR;
     if (estimated) unsupported_motion(scene, SPATIAL, ends, forces, below);
     tell_torque(scene, below[0] ? why : reason);
     if (below[0]) say_torque_and_unsupported(reason, why, below);

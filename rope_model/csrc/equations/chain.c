@@ -20,7 +20,7 @@ size_t chain_work_bytes(int elements) {
 }
 
 size_t chain_frames_bytes(int elements) {
-    return sizeof(double) * FRAME_SIZE * ((size_t)elements + MAX_LANES - 1);
+    return sizeof(double) * ELEMENT_FRAME_SIZE * ((size_t)elements + MAX_LANES - 1);
 }
 
 extern const Chain chains_plain[3];

@@ -8,24 +8,28 @@
 #include "formulas.h"
 #include "newton.h"
 #include "rope.h"
+#include "state_structures.h"
 #include "system.h"
 
 enum { MAX_LANES = 8 }; /* the last group of elements may have lanes to spare */
 
-/* Operations on a chain of elements at one fidelity. */
+/* Operations on a chain of elements at one fidelity: `solve` is FN(solve) of rope_system.inc, called torsional_solve
+   and so on; the others are FN(...) of that file and of block_chain.inc, in the order of CHAIN in
+   rope_kernels_form.inc. */
 typedef struct {
-    /* Newton's method: correct q, v, a until R is zero where free; v and a follow q by c[1] and c[2].  R holds the last
-       known reactions on input.  The first tangents take axial strains from q `before` unless it is NULL. */
-    Progress (*solve)(const System *, void *work, double *q, double *v, double *a, double *R, const double c[3],
-                      double tolerance, const double *before, double balance[BALANCE]);
-    /* Solve J x = M change with the factors that solve left in `work`. */
-    void (*resolve)(const System *, void *work, const double *q, const double *v, const double *a, const double *change,
-                    const double *reaction, double *x);
-    /* Solve J x = -R on the free degrees of freedom; `factorized` keeps the factors of the latest call. */
-    void (*newton_step)(const System *, void *work, const double *q, const double *v, const double *a,
-                        const double *reaction, const double c[3], bool factorized, double *x, double *R);
+    /* Newton's method: correct q, v, a of `trial` until the residual is zero where free; v and a follow q by c[1] and
+       c[2].  Its `reaction` holds the last known reactions on input, the residual on output.  The first tangents take
+       axial strains from q `before` unless it is NULL. */
+    Progress (*solve)(const System *, void *work, const NodalArrays *trial, const double c[3], double tolerance,
+                      const double *before, double balance[ENERGIES]);
+    /* Solve J x = M change, with J at q, v, a, reaction of `at` and the factors that solve left in `work`. */
+    void (*resolve)(const System *, void *work, const NodalArrays *at, const double *change, double *x);
+    /* Solve J x = -R at q, v, a, reaction of `at`, on the free degrees of freedom; `factorized` keeps the factors of
+       the latest call. */
+    void (*newton_step)(const System *, void *work, const NodalArrays *at, const double c[3], bool factorized,
+                        double *x, double *R);
     void (*evaluate)(const System *, const double *q, const double *v, const double *a, const double *reaction,
-                     double *R, double balance[BALANCE]); /* R may be NULL */
+                     double *R, double balance[ENERGIES]); /* R may be NULL */
     void (*losses)(const System *, const double *q, const double *v, double powers[2]);
     void (*air)(const System *, const double *q, const double *v, double sums[AIR_BALANCE]);
     void (*strains)(const System *, const double *q, const double *v, double (*strains)[STRAINS]);

@@ -51,18 +51,19 @@ static RopeStatus hold_ends(const Scene *scene, State *state, const EndMotion en
                             char *message) {
     for (int side = LEFT; side <= RIGHT; side++) {
         const EndMotion *end = &ends[side];
-        const Path path = path_resting(state->t, end);
-        state->filters[side] = filter_resting(state->t, end);
-        double measures[14];
-        path_measures(&path, &state->filters[side], measures);
+        const EndPath path = end_path_at_rest(state->t, end);
+        state->filters[side] = input_filter_at_rest(state->t, end);
+        double measures[PATH_MEASURES];
+        input_filter_path_measures(&path, &state->filters[side], measures);
         if (!check_motion(scene, end, measures, side, message)) return ROPE_FAILED;
         double fastest = fabs(end->yaw_rate);
         fastest = fmax(fastest, fmax(fabs(end->vx), fmax(fabs(end->vy), fabs(end->vz))));
-        if (fastest > RESTS_BELOW) return say_moves_at_start(message, side_name(side));
+        if (fastest > END_PATHS_RESTS_BELOW) return say_moves_at_start(message, side_name(side));
     }
     paths_at_rest(scene, state, ends, scene->model.fidelity == RIGID); /* a rigid rope needs no steps */
-    const EndMotion first[2] = {path_at(&state->paths[LEFT], state->t), path_at(&state->paths[RIGHT], state->t)};
-    suspension_points(&scene->layout, &first[LEFT], &first[RIGHT], points);
+    const EndMotion first[2] = {end_path_at(&state->paths[LEFT], state->t),
+                                end_path_at(&state->paths[RIGHT], state->t)};
+    centreline_suspension_points(&scene->layout, &first[LEFT], &first[RIGHT], points);
     return ROPE_DONE;
 }
 
@@ -70,7 +71,7 @@ static RopeStatus initialize(Simulator *sim, double t, const EndMotion ends[2]) 
     const Scene *scene = &sim->scene;
     State *state = sim->next;
     char *message = sim->message;
-    if (!(fabs(t) <= MAX_START_TIME)) return say_start_time_out_of_range(message, t, MAX_START_TIME);
+    if (!(fabs(t) <= STEPPING_MAX_START_TIME)) return say_start_time_out_of_range(message, t, STEPPING_MAX_START_TIME);
     memset(state, 0, sim->state_bytes);
     state->elements = sim->elements;
     state->t = state->calm_since = t;
@@ -89,7 +90,7 @@ static RopeStatus initialize(Simulator *sim, double t, const EndMotion ends[2]) 
     arc_lengths(nodal.elements, nodal.lengths, nodal.s);
     if (!hanging_guess(nodal.nodes, nodal.s, points[LEFT], points[RIGHT], nodal.q, message)) return ROPE_FAILED;
     start_director(state, nodal.q);
-    state->offsets[RIGHT] = right_offset(points[LEFT], points[RIGHT]);
+    state->offsets[RIGHT] = end_conditions_right_offset(points[LEFT], points[RIGHT]);
     state->swivels[RIGHT].angle = scene->rope.installed_twist;
     state->step_next = state->last_interval = scene->solver.step_max;
     state->loop_yaw = ends_yaw(&nodal);
@@ -98,7 +99,7 @@ static RopeStatus initialize(Simulator *sim, double t, const EndMotion ends[2]) 
     if (start_hysteresis(sim->reference.wires, state)) rope_system_refer(sim, state, nodal.q);
     for (int side = LEFT; side <= RIGHT; side++)
         state->force_mean[side] = -end_row(nodal.reaction, nodal.nodes, side)[1];
-    state->energy_balance.start = energy_total(&state->energy_balance);
+    state->energy_balance.start = energy_balance_total(&state->energy_balance);
     state->event_count = 0;
     begin_audit(sim, state);
     far_bodies(state->nearest);
@@ -136,8 +137,8 @@ static RopeStatus advance_to(Simulator *sim, const HostStep *host, int *event) {
     if (!sim->initialized) return say_no_state(sim->message);
     if (fabs(t - begin) < ROPE_MIN_INTERVAL) return ROPE_DONE;
     if (!(isfinite(t) && t > begin)) return say_time_goes_back(sim->message, begin, t);
-    if (t - begin > MAX_STEPS * step_max)
-        return say_too_far_at_once(sim->message, begin, t, MAX_STEPS, step_max, MAX_STEPS * step_max);
+    if (t - begin > STEPPING_MAX_STEPS * step_max)
+        return say_too_far_at_once(sim->message, begin, t, STEPPING_MAX_STEPS, step_max, STEPPING_MAX_STEPS * step_max);
     if (!(earliest <= host->given_at && host->given_at <= t + ROPE_MIN_INTERVAL))
         return say_motions_of_another_time(sim->message, host->given_at, earliest, t);
     if (!take_host_step(sim, host, event)) return ROPE_FAILED;

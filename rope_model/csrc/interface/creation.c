@@ -30,7 +30,7 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
     Simulator *sim = allocate_simulator(scene, elements, memory, message);
     if (sim == NULL) return NULL;
     sim->mesh = mesh;
-    sim->obstacles->bodies = may_touch(&scene->shaft);
+    sim->obstacles->bodies = bodies_may_touch(&scene->shaft);
     return sim;
 }
 

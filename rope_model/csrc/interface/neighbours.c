@@ -20,7 +20,7 @@ void rope_apply(Simulator *sim, const PointForces *forces) {
     sim->replay.known = false;
 }
 
-void rope_rows(const Simulator *sim, double (*rows)[13]) {
+void rope_rows(const Simulator *sim, double (*rows)[ROPE_ROW]) {
     const NodalArrays nodal = state_arrays(sim->state);
     for (int node = 0; node < nodal.nodes; node++) {
         const double *q = nodal.q + (size_t)node * DOF;
@@ -42,11 +42,10 @@ RopeStatus rope_displacement(Simulator *sim, const PointForces *forces, double (
     sys.time = forces->start;
     double c[3];
     double *const answers[2] = {sim->trial.q, sim->x};
-    newton_coefficients(&method, state->last_interval, c);
+    generalized_alpha_newton_coefficients(&method, state->last_interval, c);
     for (int k = 0; k < 2; k++) {
         sys.forces = k == 0 ? NULL : forces;
-        chain_of(sim, state)
-            ->newton_step(&sys, sim->work, nodal.q, nodal.v, nodal.a, nodal.reaction, c, k, answers[k], sim->trial.v);
+        chain_of(sim, state)->newton_step(&sys, sim->work, &nodal, c, k, answers[k], sim->trial.v);
     }
     PointForce point = {0};
     for (int index = 0; index < forces->count; index++) {

@@ -61,10 +61,11 @@ static bool partition_plausible(const Scene *scene, const Mesh *mesh, const Stat
     partition(mesh, length, 0.5 * length, divider_s, nodal->elements, &expected, lengths);
     if (expected.coarse > 0) {
         const int outer = expected.counts[0] + expected.counts[SEGMENTS - 1];
-        const int first = pattern->counts[0], least = (int)min_outer(expected.counts + 1);
+        const int first = pattern->counts[0], least = (int)mesh_pattern_min_outer(expected.counts + 1);
         if (!within(first, least, outer - least)) return false;
         for (int i = 0; i < DIVIDERS; i++) /* place of a divider in this window */
-            if (isfinite(divider_s[i])) divider_s[i] = expected.coarse * (pattern->windows[i] + 0.5 * WINDOW);
+            if (isfinite(divider_s[i]))
+                divider_s[i] = expected.coarse * (pattern->windows[i] + 0.5 * MESH_PATTERN_WINDOW);
         partition_transform(&expected, first - expected.counts[0], divider_s, nodal->elements, lengths);
     }
     if (memcmp(pattern, &expected, sizeof expected) != 0) return false;
@@ -75,14 +76,14 @@ static bool partition_plausible(const Scene *scene, const Mesh *mesh, const Stat
 }
 
 /* True if the path ends at t, with a motion that an end may have. */
-static bool path_plausible(const Path *path, double t) {
+static bool path_plausible(const EndPath *path, double t) {
     const double distant = 1e5;
     if (!(path->start <= path->stop && fabs(path->stop - t) <= 1e-9 * fmax(1, fabs(t)))) return false;
     double motion[3][4], leans[2][3];
-    path_motion(path, path->stop, motion);
+    end_path_motion(path, path->stop, motion);
     for (int k = 0; k < 12; k++)
         if (!(fabs(motion[k / 4][k % 4]) <= distant)) return false;
-    path_lean_motion(path, path->stop, leans);
+    end_path_lean_motion(path, path->stop, leans);
     for (int k = 0; k < 6; k++)
         if (!(fabs(leans[k / 3][k % 3]) <= distant)) return false;
     return true;

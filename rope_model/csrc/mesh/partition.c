@@ -22,7 +22,8 @@
    long as sqrt(``grading_length`` x). Their number is the same for every position of the loop and grows with the
    root of the rope's length for a given ``grading_length``.
 
-   Where a leg faces a divider that may press it, WINDOW elements of l are divided into WINDOW_PARTS each. */
+   Where a leg faces a divider that may press it, MESH_PATTERN_WINDOW elements of l are divided into
+   MESH_PATTERN_WINDOW_PARTS each. */
 
 #include "partition.h"
 
@@ -39,7 +40,7 @@
 #include "rules.h"
 #include "state_structures.h"
 
-static const int LONGER[] = LEG_LENGTHS;
+static const int LONGER[] = MESH_PATTERN_LEG_LENGTHS;
 enum { LENGTHS = sizeof LONGER / sizeof *LONGER };
 
 static int as_int(double x) {
@@ -47,14 +48,14 @@ static int as_int(double x) {
 }
 
 double partition_fine_length(const Pattern *pattern, const double *lengths) {
-    return pattern->coarse > 0 ? fine_share(pattern->counts + 1) * pattern->coarse : lengths[0];
+    return pattern->coarse > 0 ? mesh_pattern_fine_share(pattern->counts + 1) * pattern->coarse : lengths[0];
 }
 
 Mesh fit_mesh(const Scene *scene) {
     Mesh mesh = scene->mesh;
     if (mesh.kind != AUTO_MESH) return mesh;
     const double asked = mesh.loop_error > 0 ? mesh.loop_error : MESH_SHARE * scene->accuracy.loop;
-    const FittedMesh fitted = fit_elements(scene, asked, log10(FADE_ERROR / asked));
+    const FittedMesh fitted = fit_elements(scene, asked, log10(MESH_FIT_FADE_ERROR / asked));
     mesh.kind = fitted.equal > 0 ? EEM : TMN;
     mesh.loop_error = 0; /* not used by these kinds */
     if (mesh.kind == EEM)
@@ -77,7 +78,7 @@ static int element_length(int begin, int units, double growth) {
     for (int k = 0; k < LENGTHS; k++) {
         const int longer = LONGER[k], gap = units - (begin + longer);
         const bool near_end = longer > begin;
-        const bool near_loop = gap < GRADING * (longer - 1);
+        const bool near_loop = gap < MESH_PATTERN_GRADING * (longer - 1);
         if (near_end || near_loop || gap * growth < (double)(longer * longer)) break;
         if (begin % longer == 0) size = longer;
     }
@@ -120,7 +121,7 @@ static int longest_of(const double *lengths, int stride, int count) {
 /* True if element k of this leg, from its end on, is in a window. */
 static bool in_window(const int *windows, int side, int k) {
     for (int i = side; i < DIVIDERS; i += 2)
-        if (0 <= k - windows[i] && k - windows[i] < WINDOW) return true;
+        if (0 <= k - windows[i] && k - windows[i] < MESH_PATTERN_WINDOW) return true;
     return false;
 }
 
@@ -139,10 +140,10 @@ static int both_leg_lengths(int first, int last, double growth, int elements, co
     int spare = elements - counts[0] - counts[1];
     for (int side = 0; side < 2; side++)
         for (int k = counts[side] - 1; k > 0; k--)
-            if (spare >= WINDOW_PARTS - 1 && in_window(windows, side, k)) {
-                divide(side ? right : left, side ? -1 : 1, counts[side], k, WINDOW_PARTS);
-                counts[side] += WINDOW_PARTS - 1;
-                spare -= WINDOW_PARTS - 1;
+            if (spare >= MESH_PATTERN_WINDOW_PARTS - 1 && in_window(windows, side, k)) {
+                divide(side ? right : left, side ? -1 : 1, counts[side], k, MESH_PATTERN_WINDOW_PARTS);
+                counts[side] += MESH_PATTERN_WINDOW_PARTS - 1;
+                spare -= MESH_PATTERN_WINDOW_PARTS - 1;
             }
     for (; spare > 0; spare--) {
         int i = longest_of(left, 1, counts[0]), j = longest_of(right, -1, counts[1]);
@@ -155,7 +156,7 @@ static int both_leg_lengths(int first, int last, double growth, int elements, co
 
 /* Return the number of elements in segments I and VII together, for l near coarse_length. */
 static double outer_of(const Mesh *mesh, double length) {
-    return nearest_whole(length / mesh->coarse_length - inner_length(mesh->counts));
+    return elementary_nearest_whole(length / mesh->coarse_length - mesh_pattern_inner_length(mesh->counts));
 }
 
 int partition_elements(const Mesh *mesh, double length, const double *divider_s, char *message) {
@@ -166,19 +167,21 @@ int partition_elements(const Mesh *mesh, double length, const double *divider_s,
     double outer = outer_of(mesh, length);
     if (outer > (double)MAX_ELEMENTS)
         return say_too_many_lengths(message, mesh->coarse_length, length, outer, MAX_ELEMENTS);
-    if (!(outer >= 2)) return say_too_few_lengths(message, inner_length(mesh->counts) * mesh->coarse_length, length);
-    double growth = mesh->grading_length / (length / (outer + inner_length(mesh->counts)));
+    if (!(outer >= 2))
+        return say_too_few_lengths(message, mesh_pattern_inner_length(mesh->counts) * mesh->coarse_length, length);
+    double growth = mesh->grading_length / (length / (outer + mesh_pattern_inner_length(mesh->counts)));
     double elements = leg_elements((int)outer, growth) + 2 * mesh->end_levels;
     for (int k = 0; k < SEGMENTS - 2; k++) elements += mesh->counts[k];
-    for (int i = 0; i < DIVIDERS; i++) elements += isfinite(divider_s[i]) ? WINDOW * (WINDOW_PARTS - 1) : 0;
+    for (int i = 0; i < DIVIDERS; i++)
+        elements += isfinite(divider_s[i]) ? MESH_PATTERN_WINDOW * (MESH_PATTERN_WINDOW_PARTS - 1) : 0;
     if (elements > (double)MAX_ELEMENTS) return say_too_many_elements(message, elements, MAX_ELEMENTS);
     return (int)elements;
 }
 
 /* Write the lengths (or NULL) of segments II to VI as far as the rope reaches, in units of l; return their number. */
 static int fill_inner(const int *counts, double *lengths) {
-    const double relative[SEGMENTS] = {1, 0.5, 0.25, fine_share(counts + 1), 0.25, 0.5, 1};
-    const double inner = inner_length(counts + 1);
+    const double relative[SEGMENTS] = {1, 0.5, 0.25, mesh_pattern_fine_share(counts + 1), 0.25, 0.5, 1};
+    const double inner = mesh_pattern_inner_length(counts + 1);
     const double begin = fmax(1 - counts[0], 0), end = inner - fmax(1 - counts[SEGMENTS - 1], 0);
     double reached = 0;
     int n = 0;
@@ -215,7 +218,7 @@ static void tmn_lengths(const Pattern *pattern, int elements, double *lengths) {
     double coarse = pattern->coarse;
     const int *counts = pattern->counts;
     int first = counts[0] > 1 ? counts[0] : 1, last = counts[SEGMENTS - 1] > 1 ? counts[SEGMENTS - 1] : 1;
-    const double growth = pattern->grading_length / coarse, fine = fine_share(counts + 1);
+    const double growth = pattern->grading_length / coarse, fine = mesh_pattern_fine_share(counts + 1);
     const int levels = pattern->end_levels,
               least = leg_lengths(first, growth, NULL, 0) + leg_lengths(last, growth, NULL, 0);
     /* Where the pattern is cut off, the loop bends the rope up to its end. */
@@ -236,19 +239,21 @@ static void tmn_lengths(const Pattern *pattern, int elements, double *lengths) {
 }
 
 void mesh_dividers(const Scene *scene, double left, double right, double *divider_s) {
-    divider_positions(scene, left, right, divider_s);
+    mesh_fit_divider_positions(scene, left, right, divider_s);
     if (scene->mesh.kind == AUTO_MESH) return;
     for (int i = 0; i < DIVIDERS; i++) divider_s[i] = INFINITY;
 }
 
 static void place_windows(Pattern *pattern, const double *divider_s) {
-    for (int i = 0; i < DIVIDERS; i++) pattern->windows[i] = (int)nearest_whole(window_place(pattern, divider_s[i]));
+    for (int i = 0; i < DIVIDERS; i++)
+        pattern->windows[i] = (int)elementary_nearest_whole(mesh_pattern_window_place(pattern, divider_s[i]));
 }
 
 bool window_due(const Pattern *pattern, const double *divider_s) {
     if (!(pattern->coarse > 0)) return false; /* EEM has no windows */
     for (int i = 0; i < DIVIDERS; i++)
-        if (fabs(window_place(pattern, divider_s[i]) - pattern->windows[i]) > WINDOW_DUE) return true;
+        if (fabs(mesh_pattern_window_place(pattern, divider_s[i]) - pattern->windows[i]) > MESH_PATTERN_WINDOW_DUE)
+            return true;
     return false;
 }
 
@@ -259,9 +264,10 @@ void partition(const Mesh *mesh, double length, double bottom_s, const double *d
         for (int k = 0; k < mesh->elements; k++) lengths[k] = length / mesh->elements;
         return;
     }
-    double inner = inner_length(mesh->counts), outer = outer_of(mesh, length);
+    double inner = mesh_pattern_inner_length(mesh->counts), outer = outer_of(mesh, length);
     double coarse = length / (outer + inner);
-    double first = nearest_whole(bottom_s / coarse - 0.5 * inner), least = min_outer(mesh->counts);
+    double first = elementary_nearest_whole(bottom_s / coarse - 0.5 * inner),
+           least = mesh_pattern_min_outer(mesh->counts);
     first = first > least ? fmin(first, outer - least) : least;
     pattern->coarse = coarse;
     pattern->end_levels = mesh->end_levels;

@@ -41,7 +41,7 @@ void transfer_interpolate(int nodes, const double *x, const double *s, int count
         if (fabs((nearer_left ? left_s : right_s) - places[k]) <= tolerance)
             memcpy(y[k], nearer_left ? left : right, sizeof y[k]);
         else
-            node_values(minimum(maximum((places[k] - left_s) / l, 0.0), 1.0), l, left, y[k]);
+            hermite_node_values(minimum(maximum((places[k] - left_s) / l, 0.0), 1.0), l, left, y[k]);
     }
 }
 
@@ -92,8 +92,8 @@ static void add_missing(int nodes, int fields, const double *const *x, const dou
             for (int f = 0; f < fields; f++) {
                 double load[2 * DOF];
                 double *part = load;
-                missing_load(from, to, new_s[e], l, old_s[k], old_l, x[f] + (ptrdiff_t)DOF * k,
-                             y[f] + (ptrdiff_t)DOF * e, load);
+                hermite_missing_load(from, to, new_s[e], l, old_s[k], old_l, x[f] + (ptrdiff_t)DOF * k,
+                                     y[f] + (ptrdiff_t)DOF * e, load);
                 for (int i = 0; i < CUBIC; i++)
                     for (int axis = 0; axis < 3; axis++) r[(ptrdiff_t)3 * (fields * (2 * e + i) + f) + axis] += *part++;
                 theta[(ptrdiff_t)fields * e + f] += part[0];

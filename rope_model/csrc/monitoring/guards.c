@@ -15,7 +15,7 @@
 
 double guards_rise(const Scene *scene, const State *state, const NodalArrays *nodal, const LoopBottom *bottom) {
     const double left = nodal->q[1], right = end_row(nodal->q, nodal->nodes, RIGHT)[1];
-    return loop_height(&scene->rope, &scene->layout, bottom->position[1], left, right) - state->guard.rest;
+    return guard_loop_height(&scene->rope, &scene->layout, bottom->position[1], left, right) - state->guard.rest;
 }
 
 /* Return the distance of the lowest point from the middle between the ends; with a window, that of a leg from plumb. */
@@ -23,23 +23,23 @@ static double guards_sideways(const NodalArrays *nodal, double height, const Loo
     const double *last = end_row(nodal->q, nodal->nodes, RIGHT);
     const double *lowest = nodal->q + (size_t)lowest_node(nodal->nodes, nodal->q) * DOF;
     double farthest = 0;
-    if (height <= -FAR) return sideways(bottom->position, nodal->q, last);
+    if (height <= -FAR) return guard_sideways(bottom->position, nodal->q, last);
     for (const double *a = nodal->q; a < last; a += DOF)
         if ((a[1] < height) != (a[DOF + 1] < height))
-            farthest = maximum(farthest, off_plumb(height, a, a + DOF, a < lowest ? nodal->q : last));
+            farthest = maximum(farthest, guard_off_plumb(height, a, a + DOF, a < lowest ? nodal->q : last));
     return farthest;
 }
 
 void set_rise_reference(const Scene *scene, State *state) {
     const NodalArrays nodal = state_arrays(state);
     const LoopBottom bottom = loop_bottom(nodal.nodes, nodal.q, nodal.s);
-    state->guard = (GuardState){0, 0, 0, {NEVER, NEVER, NEVER, NEVER, NEVER}};
+    state->guard = (GuardState){0, 0, 0, {GUARD_NEVER, GUARD_NEVER, GUARD_NEVER, GUARD_NEVER, GUARD_NEVER}};
     state->guard.rest = guards_rise(scene, state, &nodal, &bottom);
 }
 
 void update_guards(const Scene *scene, State *state) {
     const Guard *guard = &scene->shaft.guard;
-    if (has_guards(guard) == 0) return;
+    if (guard_any_threshold(guard) == 0) return;
     const NodalArrays nodal = state_arrays(state);
     const LoopBottom bottom = loop_bottom(nodal.nodes, nodal.q, nodal.s);
     Nearest nearest[KINDS];
@@ -53,8 +53,9 @@ void update_guards(const Scene *scene, State *state) {
         guard->rise_y <= -FAR ? guards_rise(scene, state, &nodal, &bottom) : bottom.position[1] - guard->rise_y,
         guards_sideways(&nodal, guard->window_y, &bottom),
         clearance,
-        fabs(turns_of(nearest_turn(bottom.yaw, state->loop_yaw), ends_yaw(&nodal), state->crossing.net)),
+        fabs(centreline_turns(centreline_nearest_turn(bottom.yaw, state->loop_yaw), ends_yaw(&nodal),
+                              state->crossing.net)),
         torque,
     };
-    state->guard = watch(guard, &state->guard, state->t, quantities);
+    state->guard = guard_watch(guard, &state->guard, state->t, quantities);
 }

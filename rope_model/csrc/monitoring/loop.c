@@ -14,20 +14,21 @@
 #include "transfer.h"
 
 double ends_yaw(const NodalArrays *nodal) {
-    return line_yaw(nodal->q, end_row(nodal->q, nodal->nodes, RIGHT));
+    return centreline_line_yaw(nodal->q, end_row(nodal->q, nodal->nodes, RIGHT));
 }
 
 LoopBottom loop_bottom(int nodes, const double *q, const double *s) {
     int lowest = lowest_node(nodes, q), i = lowest < 1 ? 1 : lowest > nodes - 2 ? nodes - 2 : lowest;
 
-    double fine[FINE], rows[FINE][DOF], row[1][DOF], step = (s[i + 1] - s[i - 1]) / (FINE - 1);
-    for (int k = 0; k < FINE; k++) fine[k] = k < FINE - 1 ? k * step + s[i - 1] : s[i + 1];
-    transfer_interpolate(nodes, q, s, FINE, fine, rows);
+    double fine[SAMPLING_FINE], rows[SAMPLING_FINE][DOF], row[1][DOF],
+        step = (s[i + 1] - s[i - 1]) / (SAMPLING_FINE - 1);
+    for (int k = 0; k < SAMPLING_FINE; k++) fine[k] = k < SAMPLING_FINE - 1 ? k * step + s[i - 1] : s[i + 1];
+    transfer_interpolate(nodes, q, s, SAMPLING_FINE, fine, rows);
     int j = 0;
-    for (int k = 1; k < FINE; k++)
+    for (int k = 1; k < SAMPLING_FINE; k++)
         if (rows[k][1] < rows[j][1]) j = k;
     /* lowest point of the parabola through three points */
-    j = j < 1 ? 1 : j > FINE - 2 ? FINE - 2 : j;
+    j = j < 1 ? 1 : j > SAMPLING_FINE - 2 ? SAMPLING_FINE - 2 : j;
     double before = rows[j - 1][1], after = rows[j + 1][1], bend = before - 2 * rows[j][1] + after;
     double shift = bend > 0 ? 0.5 * (before - after) / bend : 0.0;
     LoopBottom bottom;
@@ -38,7 +39,7 @@ LoopBottom loop_bottom(int nodes, const double *q, const double *s) {
     return bottom;
 }
 
-/* A way up a leg, in PIECES per element. */
+/* A way up a leg, in SAMPLING_PIECES per element. */
 typedef struct {
     const NodalArrays *nodal;
     int point, last; /* next point, and the leg's end */
@@ -47,12 +48,12 @@ typedef struct {
 } Climb;
 
 static void point_of(const NodalArrays *nodal, int point, double place[3]) {
-    const int element = point / PIECES, piece = point % PIECES;
+    const int element = point / SAMPLING_PIECES, piece = point % SAMPLING_PIECES;
     const double *a = nodal->q + (ptrdiff_t)DOF * element;
     if (piece == 0)
         memcpy(place, a, 3 * sizeof *place);
     else
-        position_at((double)piece / PIECES, nodal->lengths[element], a, a + DOF, place);
+        centreline_position_at((double)piece / SAMPLING_PIECES, nodal->lengths[element], a, a + DOF, place);
 }
 
 static void climb_on(Climb *leg) {
@@ -81,22 +82,22 @@ bool legs_apart(const NodalArrays *nodal, const double across[2], double diamete
     double normal[3];
     bool apart = 0 < lowest && lowest < nodal->elements;
     int k = 0;
-    plane_between(left, right, low, across, normal);
+    centreline_plane_between(left, right, low, across, normal);
     for (const double *q = left; q < low; q += DOF, k++)
-        apart &= side_gap(-1.0, nodal->lengths[k], q, q + DOF, left[1], low, normal, diameter, above) >= 0;
+        apart &= centreline_side_gap(-1.0, nodal->lengths[k], q, q + DOF, left[1], low, normal, diameter, above) >= 0;
     for (const double *q = low; q < right; q += DOF, k++)
-        apart &= side_gap(1.0, nodal->lengths[k], q + DOF, q, right[1], low, normal, diameter, above) >= 0;
-    return apart && min_slope(nodal->lengths[lowest - 1], low - DOF, low, across) > 0 &&
-           min_slope(nodal->lengths[lowest], low, low + DOF, across) > 0;
+        apart &= centreline_side_gap(1.0, nodal->lengths[k], q + DOF, q, right[1], low, normal, diameter, above) >= 0;
+    return apart && centreline_min_slope(nodal->lengths[lowest - 1], low - DOF, low, across) > 0 &&
+           centreline_min_slope(nodal->lengths[lowest], low, low + DOF, across) > 0;
 }
 
 static double point_s(const NodalArrays *nodal, int point) {
-    const int element = point / PIECES;
-    return nodal->s[element] + nodal->lengths[element] * (point % PIECES) / PIECES;
+    const int element = point / SAMPLING_PIECES;
+    return nodal->s[element] + nodal->lengths[element] * (point % SAMPLING_PIECES) / SAMPLING_PIECES;
 }
 
 LoopTurns loop_turns(const NodalArrays *nodal, const LoopBottom *bottom) {
-    const int last = PIECES * nodal->elements;
+    const int last = SAMPLING_PIECES * nodal->elements;
     int next = 1;
     while (next < last && point_s(nodal, next) < bottom->s) next++;
     Climb left = {nodal, next - 1, 0, {0}, {0}}, right = {nodal, next, last, {0}, {0}};
@@ -106,12 +107,12 @@ LoopTurns loop_turns(const NodalArrays *nodal, const LoopBottom *bottom) {
     climb_on(&right);
     double across[2], angle = 0, sharpest = -1, below = bottom->position[1];
     LoopTurns turns = {0, below};
-    heading(bottom->yaw, across);
+    centreline_heading(bottom->yaw, across);
     double height = fmin(left.high[1], right.high[1]);
     while (height < HUGE_VAL) {
         const double next_across[2] = {climb_at(&right, height, 0) - climb_at(&left, height, 0),
                                        climb_at(&right, height, 2) - climb_at(&left, height, 2)};
-        const double turned = angle_between(across, next_across);
+        const double turned = centreline_angle_between(across, next_across);
         if (fabs(turned) > sharpest) turns.sharpest_y = 0.5 * (below + height);
         sharpest = fmax(sharpest, fabs(turned));
         angle -= turned;

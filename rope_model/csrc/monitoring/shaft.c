@@ -2,7 +2,7 @@
 
    The clearance from a kind of bodies is the least distance of the rope's surface from them, over the whole
    centre line. A piece of an element is halved as long as the upright box about it is nearer to the body than the
-   nearest known point, by RESOLUTION or more. A straight leg along a wall fills no such box, so it costs no more
+   nearest known point, by BODIES_RESOLUTION or more. A straight leg along a wall fills no such box, so it costs no more
    than its nodes. For a conveyance and its head ropes only the other leg counts, from the lowest node on: the
    rope's own end hangs below them.
 
@@ -35,13 +35,13 @@ typedef struct {
 
 /* True if contents of the box may be nearer than the nearest place so far. */
 static bool may_be_nearer(const NearestSearch *search, const double box[6]) {
-    const double least = body_min_distance(box, box + 3, &search->placed.body);
-    return least - search->radius < search->nearest.clearance - RESOLUTION;
+    const double least = shaft_min_distance(box, box + 3, &search->placed.body);
+    return least - search->radius < search->nearest.clearance - BODIES_RESOLUTION;
 }
 
 /* Update the search with a place at arc length s. */
 static void probe(NearestSearch *search, double s, const double *place) {
-    const double clearance = body_distance(place, &search->placed.body) - search->radius;
+    const double clearance = shaft_distance(place, &search->placed.body) - search->radius;
     const double known = search->nearest.clearance;
     if (!(clearance < known)) return;
     const double touched = clearance <= 0 && 0 < known ? search->t : search->nearest.touched_at;
@@ -51,10 +51,10 @@ static void probe(NearestSearch *search, double s, const double *place) {
 /* Search a piece of this length from s on, between the places and slopes a and b, by bisection. */
 static void refine(NearestSearch *search, double s, double length, const double *a, const double *b) {
     double box[6], between[6];
-    enclosing_box(length, a, b, box);
+    centreline_enclosing_box(length, a, b, box);
     if (!may_be_nearer(search, box)) return;
     const double half = 0.5 * length;
-    middle_of(length, a, b, between);
+    centreline_middle(length, a, b, between);
     probe(search, s + half, between);
     refine(search, s, half, a, between);
     refine(search, s + half, half, between, b);
@@ -88,7 +88,7 @@ static void search_elements(NearestSearch *search, const NodalArrays *nodal, int
         const double *b = a + DOF;
         double box[6];
         if (k < search->first || k >= search->last) continue;
-        enclosing_box(nodal->lengths[k], a, b, box);
+        centreline_enclosing_box(nodal->lengths[k], a, b, box);
         if (!may_be_nearer(search, box)) continue;
         probe(search, nodal->s[k], a);
         probe(search, nodal->s[k + 1], b);
@@ -142,13 +142,14 @@ void update_passages(const Scene *scene, SelfContactState *self_contact, State *
     shaft_nearer(scene, &nodal, state->t, state->nearest);
     const double line = ends_yaw(&nodal);
     double across[2];
-    heading(line, across);
+    centreline_heading(line, across);
     const bool near = !legs_apart(&nodal, across, scene->rope.diameter, scene->layout.spacing);
     if (near || self_contact->presses) update_overlap(self_contact, scene->rope.diameter, state);
-    if (!near && crossing->net == 0 && fabs(state->loop_yaw - line) <= TURNED_FAR) return;
+    if (!near && crossing->net == 0 && fabs(state->loop_yaw - line) <= BODIES_TURNED_FAR) return;
     const LoopBottom bottom = loop_bottom(nodal.nodes, nodal.q, nodal.s);
     const LoopTurns turns = loop_turns(&nodal, &bottom);
-    const double net = nearest_whole(turns_of(nearest_turn(bottom.yaw, state->loop_yaw), line, turns.number));
+    const double net = elementary_nearest_whole(
+        centreline_turns(centreline_nearest_turn(bottom.yaw, state->loop_yaw), line, turns.number));
     const bool first = net != crossing->net && crossing->number == 0;
     if (first) crossing->since = state->t;
     if (first) crossing->y = turns.sharpest_y;

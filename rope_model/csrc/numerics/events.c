@@ -11,9 +11,9 @@ double locate(double (*f)(void *, double), void *data, double low, double high, 
               double width) {
     Bracket bracket = {low, high, f_low, f_high, 0, 0};
     while (bracket.high - bracket.low > width) {
-        const double x = trial_x(&bracket, width);
+        const double x = events_trial_x(&bracket, width);
         if (!(bracket.low < x && x < bracket.high)) break;
-        bracket = narrowed(&bracket, x, f(data, x));
+        bracket = events_narrowed_bracket(&bracket, x, f(data, x));
     }
     return bracket.high;
 }

@@ -13,7 +13,7 @@
 #include "transfer.h"
 
 /* LEG: points of one leg for its clearance; BLOCK: points that share a bounding box. */
-enum { LEG = OUTLINE / 2 + 1, BLOCK = 4, BLOCKS = (LEG + BLOCK - 1) / BLOCK };
+enum { LEG = SAMPLING_OUTLINE / 2 + 1, BLOCK = 4, BLOCKS = (LEG + BLOCK - 1) / BLOCK };
 
 static double clip(double x, double low, double high) {
     return fmin(fmax(x, low), high);
@@ -23,7 +23,8 @@ void shape_places(double total, double bottom_s, double loop, int points, double
     double step = 2.0 / (points - 1);
     for (int k = 0; k < points; k++) {
         double u = k < points - 1 ? k * step - 1.0 : 1.0;
-        places[k] = clip(sample_s(bottom_s, u < 0 ? -bottom_s : total - bottom_s, fabs(u), loop), 0.0, total);
+        places[k] =
+            clip(centreline_sample_s(bottom_s, u < 0 ? -bottom_s : total - bottom_s, fabs(u), loop), 0.0, total);
     }
 }
 
@@ -33,7 +34,7 @@ void diagnostics_shape(int nodes, const double *q, const double *s, int points, 
         while (i < nodes - 2 && s[i + 1] < places[k]) i++;
         const double l = s[i + 1] - s[i];
         const double *a = q + (ptrdiff_t)DOF * i;
-        position_at((places[k] - s[i]) / l, l, a, a + DOF, xyz[k]);
+        centreline_position_at((places[k] - s[i]) / l, l, a, a + DOF, xyz[k]);
     }
 }
 
@@ -62,7 +63,7 @@ void diagnostics_tension(const NodalArrays *arrays, double rho, double gravity, 
         }
         force[1] += rho * gravity * places[k];
         const double *slope = row[0] + SLOPE;
-        tension[k] = dot(force, slope) / sqrt(dot(slope, slope));
+        tension[k] = elementary_dot(force, slope) / sqrt(elementary_dot(slope, slope));
     }
 }
 
@@ -106,7 +107,7 @@ static double nearest_squared(int points, double point[][3], int pieces, double 
         const double *a = corner[m];
         const double *b = corner[m + 1];
         const double along[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-        for (int n = 0; n < points; n++) least = minimum(least, squared_distance(point[n], a, along));
+        for (int n = 0; n < points; n++) least = minimum(least, centreline_squared_distance(point[n], a, along));
     }
     return least;
 }
@@ -130,7 +131,7 @@ static double smallest_squared(int lefts, double left[LEG][3], int rights, doubl
     blocks_of(rights, right, of_right);
     for (int m = top; m >= 0; m--)
         for (int n = other_top; n >= 0; n--) {
-            if (!(min_squared_distance(of_left[m], of_right[n]) < least)) continue;
+            if (!(centreline_min_squared_distance(of_left[m], of_right[n]) < least)) continue;
             const double found = between_squared(m, lefts, left, n, rights, right, least);
             if (!(found < least)) continue;
             least = found;
@@ -142,9 +143,9 @@ static double smallest_squared(int lefts, double left[LEG][3], int rights, doubl
 
 double leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
                      double diameter, double above, int pair[2]) {
-    double places[OUTLINE], outline[OUTLINE][3], left[LEG][3], right[LEG][3];
-    shape_places(s[nodes - 1], bottom->s, loop, OUTLINE, places);
-    diagnostics_shape(nodes, q, s, OUTLINE, places, outline);
+    double places[SAMPLING_OUTLINE], outline[SAMPLING_OUTLINE][3], left[LEG][3], right[LEG][3];
+    shape_places(s[nodes - 1], bottom->s, loop, SAMPLING_OUTLINE, places);
+    diagnostics_shape(nodes, q, s, SAMPLING_OUTLINE, places, outline);
     double height = bottom->position[1] + above;
     double (*lowest)[3] = outline + LEG - 1;
     const int lefts = part_above(lowest, -1, height, left);

@@ -9,7 +9,8 @@
    the blocks that were nearest in the last call, to speed up the search.  Takes 10 kB of stack. */
 double leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
                      double diameter, double above, int pair[2]);
-/* Ascending arc lengths `places` (points) over the whole rope, denser around the bottom; `loop` is loop_width(). */
+/* Ascending arc lengths `places` (points) over the whole rope, denser around the bottom; `loop` is
+ * estimates_loop_width(). */
 void shape_places(double total, double bottom_s, double loop, int points, double *places);
 /* Coordinates xyz (points x 3) of the centre line at arc lengths `places`, which ascend. */
 void diagnostics_shape(int nodes, const double *q, const double *s, int points, const double *places, double (*xyz)[3]);

@@ -27,9 +27,9 @@ static System free_system(const Simulator *sim) {
 
 /* Return the number of values of an element in rope_frames. */
 static int frame_size(const System *sys) {
-    int size = FRAME_SIZE;
-    if (sys->curved != NULL) size += CURVATURE_SIZE;
-    if (sys->wires != NULL) size += WIRE_HISTORY_SIZE;
+    int size = ELEMENT_FRAME_SIZE;
+    if (sys->curved != NULL) size += CURVED_SIZE;
+    if (sys->wires != NULL) size += WIRE_ELEMENT_HISTORY_SIZE;
     return size;
 }
 
@@ -55,13 +55,13 @@ static void copy_columns(int elements, const double *from, size_t count, double 
 void rope_frames(Simulator *sim, double *frames) {
     const System sys = rope_system(sim, sim->state);
     const size_t length = (size_t)frame_size(&sys);
-    size_t begin = FRAME_SIZE;
+    size_t begin = ELEMENT_FRAME_SIZE;
     chain_of(sim, sim->state)->frame_rows(&sys, length, frames);
     if (sys.curved != NULL) {
-        copy_columns(sys.elements, sys.curved, CURVATURE_SIZE, frames, begin, length);
-        begin += CURVATURE_SIZE;
+        copy_columns(sys.elements, sys.curved, CURVED_SIZE, frames, begin, length);
+        begin += CURVED_SIZE;
     }
-    if (sys.wires != NULL) copy_columns(sys.elements, sys.wires, WIRE_HISTORY_SIZE, frames, begin, length);
+    if (sys.wires != NULL) copy_columns(sys.elements, sys.wires, WIRE_ELEMENT_HISTORY_SIZE, frames, begin, length);
 }
 
 void rope_tangent(Simulator *sim, const double c[3], double (*nodes)[DOF][DOF], double (*next)[DOF][DOF]) {

@@ -14,9 +14,6 @@
 #include "state.h"
 #include "state_structures.h"
 
-/* Compiles only if ROPE_WARNINGS of rope.h fits the warnings of Python. */
-enum { EACH_WARNING_HAS_A_NUMBER = 1 / ((int)ROPE_EXTRAPOLATION == (int)EXTRAPOLATION) };
-
 /* Return the yaw of the loop against the line between its ends. */
 static double yaw_of(State *state) {
     const NodalArrays nodal = state_arrays(state);
@@ -25,7 +22,7 @@ static double yaw_of(State *state) {
 
 static void neglected_effects(const Scene *scene, State *state, char *message) {
     static const char *const texts[] = LEFT_OUT_TEXTS;
-    if (leaves_out(scene, state)) snprintf(message, MESSAGE, "%s", texts[state->fidelity]);
+    if (warning_rules_leaves_out(scene, state)) snprintf(message, MESSAGE, "%s", texts[state->fidelity]);
 }
 
 static void passed_bodies(const Scene *scene, State *state, char *message) {
@@ -44,7 +41,7 @@ static void passed_bodies(const Scene *scene, State *state, char *message) {
             memcpy(passages, passed, sizeof passages);
     }
     if (!passages[0]) return;
-    if (!may_touch(&scene->shaft))
+    if (!bodies_may_touch(&scene->shaft))
         say_rope_passed_into(message, passages);
     else if (deepest > -scene->rope.diameter)
         say_rope_struck(message, passages);
@@ -66,9 +63,9 @@ static double end_twist(State *state) {
 static void yaw_at_rest(const Scene *scene, State *state, char *message) {
     const double yaw = yaw_of(state);
     char why[MESSAGE] = "";
-    if (!yawed_far_at_rest(scene, state, yaw)) return;
+    if (!warning_rules_yawed_far_at_rest(scene, state, yaw)) return;
     tell_torque_source(scene, end_twist(state), why);
-    say_yawed_at_rest(message, yaw, YAWED_FAR, why);
+    say_yawed_at_rest(message, yaw, WARNING_RULES_YAWED_FAR, why);
 }
 
 static void unfit_inputs(const Scene *scene, State *state, char *message) {

@@ -59,7 +59,7 @@ static void end_loads(const Scene *scene, State *state, double loads[LOADS]) {
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *q = end_row(nodal.q, nodal.nodes, side);
         const double *R = end_row(nodal.reaction, nodal.nodes, side);
-        conveyance_load(q, R, ends_moment(scene, state, &nodal, side), loads + 6 * side);
+        frame_conveyance_load(q, R, ends_moment(scene, state, &nodal, side), loads + 6 * side);
     }
 }
 
@@ -68,8 +68,8 @@ static HostStep coming_step(const State *state, bool at_step_end) {
     HostStep host = {.stop = state->t + state->last_interval};
     host.given_at = host.asked_at = at_step_end ? host.stop : state->t;
     for (int side = LEFT; side <= RIGHT; side++) {
-        const Path held = path_coasting(&state->paths[side], state->t);
-        host.ends[side] = path_at(&held, host.given_at);
+        const EndPath held = end_path_at_constant_acceleration(&state->paths[side], state->t);
+        host.ends[side] = end_path_at(&held, host.given_at);
     }
     return host;
 }
@@ -103,7 +103,7 @@ static RopeStatus repeat(Simulator *sim, const Change *change, double times, dou
     replay->repeats++;
     memcpy(state, sim->state, sim->state_bytes);
     memcpy(state->paths, replay->paths, sizeof replay->paths);
-    Path *path = &state->paths[change->side];
+    EndPath *path = &state->paths[change->side];
     for (int k = 0; k < PATHS; k++)
         for (int power = 0; power < POWERS; power++)
             (k < AXES ? path->coefficients[k] : path->leans[k - AXES])[power] += times * change->coefficients[k][power];
@@ -165,8 +165,8 @@ static Change change_with(const Scene *scene, const State *start, const HostStep
     /* A motion with a change is no repetition of the latest sample. */
     const double value = end_value(&end, place);
     if (value == latest[place]) set_end_value(&end, place, value + ANOTHER_SAMPLE * fmax(1, fabs(value)));
-    path_change(&start->paths[side], &start->filters[side], &settings, host->asked_at, host->stop, &end, direction,
-                change.coefficients);
+    derivatives_path_change(&start->paths[side], &start->filters[side], &settings, host->asked_at, host->stop, &end,
+                            direction, change.coefficients);
     return change;
 }
 
@@ -175,7 +175,7 @@ static bool follows(const Scene *scene, int fidelity, const HostStep *host, int 
     EndMotion ends[2] = {host->ends[LEFT], host->ends[RIGHT]};
     if (fidelity == RIGID) return place < VECTORS && place % 3 == UP;
     set_end_value(&ends[side], place, end_value(&ends[side], place) + 1);
-    return fidelity == TORSIONAL || unsupported_input(scene, fidelity, &ends[LEFT], &ends[RIGHT]) == 0;
+    return fidelity == TORSIONAL || fidelity_rules_unsupported_input(scene, fidelity, &ends[LEFT], &ends[RIGHT]) == 0;
 }
 
 /* Where the derivatives are taken: the present state, and the step. */

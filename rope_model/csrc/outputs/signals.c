@@ -44,7 +44,7 @@ static void end_signals(Simulator *sim, double *values) {
         const double *v = end_row(nodal.v, nodal.nodes, side);
         const double *reaction = end_row(nodal.reaction, nodal.nodes, side);
         const double torque = ends_moment(&sim->scene, state, &nodal, side);
-        conveyance_load(q, reaction, torque, values + SIGNAL_LEFT_FX);
+        frame_conveyance_load(q, reaction, torque, values + SIGNAL_LEFT_FX);
         ends_relative(state, side, state->t, q[ANGLE], v[ANGLE], values + SIGNAL_LEFT_SWIVEL_ANGLE);
         values[SIGNAL_LEFT_FY_MEAN] = state->force_mean[side];
         values[SIGNAL_LEFT_SWIVEL_TORQUE] = torque;
@@ -58,12 +58,12 @@ static void loop_signals(Simulator *sim, double *values) {
     const NodalArrays nodal = state_arrays(sim->state);
     const LoopBottom *bottom = loop(sim);
     memcpy(values + SIGNAL_LOOP_X, bottom->position, sizeof bottom->position);
-    values[SIGNAL_LOOP_YAW] = nearest_turn(bottom->yaw, state->loop_yaw);
-    values[SIGNAL_LOOP_CLEARANCE] = leg_clearance(nodal.nodes, nodal.q, nodal.s, bottom, loop_width(scene),
+    values[SIGNAL_LOOP_YAW] = centreline_nearest_turn(bottom->yaw, state->loop_yaw);
+    values[SIGNAL_LOOP_CLEARANCE] = leg_clearance(nodal.nodes, nodal.q, nodal.s, bottom, estimates_loop_width(scene),
                                                   scene->rope.diameter, scene->layout.spacing, sim->nearest_blocks);
-    values[SIGNAL_LOOP_TURNS] = turns_of(values[SIGNAL_LOOP_YAW], ends_yaw(&nodal), state->crossing.net);
+    values[SIGNAL_LOOP_TURNS] = centreline_turns(values[SIGNAL_LOOP_YAW], ends_yaw(&nodal), state->crossing.net);
     values[SIGNAL_LOOP_RISE] = guards_rise(scene, state, &nodal, bottom);
-    values[SIGNAL_LOOP_SIDEWAYS] = sideways(bottom->position, nodal.q, end_row(nodal.q, nodal.nodes, RIGHT));
+    values[SIGNAL_LOOP_SIDEWAYS] = guard_sideways(bottom->position, nodal.q, end_row(nodal.q, nodal.nodes, RIGHT));
 }
 
 static void clearance_signals(Simulator *sim, double *values) {
@@ -78,7 +78,7 @@ enum { BENDING_STRESS, TORSIONAL_STRESS, CURVATURE, TORQUE, MATERIAL_VALUES };
 
 static double material_value(const Rope *rope, bool torsional, const double strains[STRAINS], int which) {
     double found[MATERIAL_VALUES];
-    material_values(rope, torsional, strains, found);
+    stress_material_values(rope, torsional, strains, found);
     return found[which];
 }
 
@@ -109,7 +109,7 @@ static void contact_signals(Simulator *sim, double *values) {
 }
 
 static void audit_signals(Simulator *sim, double *values) {
-    audit_values(&sim->state->audit, values + SIGNAL_AUDIT_MOMENTUM);
+    audit_signal_values(&sim->state->audit, values + SIGNAL_AUDIT_MOMENTUM);
 }
 
 static void error_signals(Simulator *sim, double *values) {
@@ -117,12 +117,12 @@ static void error_signals(Simulator *sim, double *values) {
     const double fine_length = partition_fine_length(&state->pattern, state_arrays(sim->state).lengths);
     const InputFilter *left = &state->filters[LEFT];
     const InputFilter *right = &state->filters[RIGHT];
-    double at_ends = end_force_error(&sim->scene.rope, &state->errors);
-    double of_place = loop_error(&sim->scene, &state->errors, fine_length, state->pattern.grading_length);
+    double at_ends = step_errors_end_force_error(&sim->scene.rope, &state->errors);
+    double of_place = step_errors_loop_error(&sim->scene, &state->errors, fine_length, state->pattern.grading_length);
     at_ends = add_contact_end_error(at_ends, &state->contact, state->errors.time, state->errors.force);
     of_place = add_contact_loop_error(&sim->scene, of_place, &state->contact);
     values[SIGNAL_STATUS_END_FORCE_ERROR] = add_misfit_error(at_ends, &state->errors, left, right);
-    values[SIGNAL_STATUS_LOOP_ERROR] = add_drift_error(of_place, left, right);
+    values[SIGNAL_STATUS_LOOP_ERROR] = input_misfit_add_drift_error(of_place, left, right);
     values[SIGNAL_STATUS_CONTACT_ERROR] = contact_error(&state->contact);
 }
 
@@ -138,7 +138,7 @@ static void points_at(State *state, const double *places, double *values) {
 static void shape_signals(Simulator *sim, double *values) {
     const NodalArrays nodal = state_arrays(sim->state);
     double places[SHAPE_POINTS];
-    shape_places(nodal.s[nodal.elements], loop(sim)->s, loop_width(&sim->scene), SHAPE_POINTS, places);
+    shape_places(nodal.s[nodal.elements], loop(sim)->s, estimates_loop_width(&sim->scene), SHAPE_POINTS, places);
     points_at(sim->state, places, values + SIGNAL_SHAPE_X_1);
 }
 
@@ -172,7 +172,7 @@ static void along_signals(Simulator *sim, double *values) {
     const NodalArrays nodal = state_arrays(sim->state);
     double *places = values + SIGNAL_SHAPE_S_1;
     rope_system_strains(sim);
-    shape_places(nodal.s[nodal.elements], loop(sim)->s, loop_width(&sim->scene), SHAPE_POINTS, places);
+    shape_places(nodal.s[nodal.elements], loop(sim)->s, estimates_loop_width(&sim->scene), SHAPE_POINTS, places);
     pull_at(&sim->scene, sim->state, places, values + SIGNAL_SHAPE_TENSION_1);
     along(sim, places, BENDING_STRESS, values + SIGNAL_SHAPE_BENDING_1);
     along(sim, places, TORSIONAL_STRESS, values + SIGNAL_SHAPE_TORSION_1);

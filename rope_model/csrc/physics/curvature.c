@@ -23,7 +23,7 @@ Rope partly_curved(const Rope *whole, double fraction) {
 
 void carry_director(State *state, const double *before, const double *after) {
     double carried[3];
-    carried_director(state->director, before, after, carried);
+    initial_curvature_carried_director(state->director, before, after, carried);
     memcpy(state->director, carried, sizeof carried);
 }
 
@@ -42,7 +42,7 @@ void curved_reference(double *curved, const Rope *rope, State *state, const doub
     double s = 0;
     const int elements = is_curved(curved, rope, state->fidelity) ? nodal.elements : 0;
     memcpy(e1, state->director, sizeof e1);
-    for (int e = 0; e < elements; e++, q += DOF, to += CURVATURE_SIZE) {
+    for (int e = 0; e < elements; e++, q += DOF, to += CURVED_SIZE) {
         const double material[] = {q[ANGLE], q[DOF + ANGLE], rope->EI};
         curvature_components(rope, s, nodal.lengths[e], components);
         curvature_vectors(components, nodal.lengths[e], q, e1, found);

@@ -31,7 +31,7 @@ RopeStatus hanging_guess(int nodes, const double *s, const double left[3], const
     InitialShape legs = initial_shape(length, middle, width, cell);
     if (minimum(legs.left_leg, legs.right_leg) <= legs.lean)
         return say_rope_too_short(message, length, width, fabs(left[1] - right[1]));
-    for (int k = 0; k < nodes; k++) initial_node_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
+    for (int k = 0; k < nodes; k++) initial_shape_node_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
     return ROPE_DONE;
 }
 
@@ -44,18 +44,25 @@ static void flow_velocities(int nodes, const double *q, Flow flow, double *v) {
     }
 }
 
-RopeStatus rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes, const double *s, double *q,
-                      double *v, double *a, double *reaction, double *kinetic, double *gravity, char *message) {
-    const RigidTensions tensions = rigid_tensions(&scene->rope, &scene->layout, &ends[LEFT], &ends[RIGHT]);
-    double points[2][3], energies[2];
+RopeStatus rigid_rope(const Scene *scene, const EndMotion ends[2], double t, const NodalArrays *nodal,
+                      EnergyBalance *energy_balance, char *message) {
+    const int nodes = nodal->nodes;
+    double *q = nodal->q;
+    double *v = nodal->v;
+    double *a = nodal->a;
+    double *reaction = nodal->reaction;
+    const RigidTensions tensions = inextensible_rigid_tensions(&scene->rope, &scene->layout, &ends[LEFT], &ends[RIGHT]);
+    double points[2][3];
+    double energies[2];
     message[0] = '\0';
-    if (rigid_min_tension(&tensions) < 0) return say_rope_goes_slack(message, rigid_min_tension(&tensions), t);
-    rigid_energies(&scene->rope, &scene->layout, &tensions, &ends[LEFT], &ends[RIGHT], energies);
-    *kinetic = energies[0];
-    *gravity = energies[1];
-    suspension_points(&scene->layout, &ends[LEFT], &ends[RIGHT], points);
-    if (!hanging_guess(nodes, s, points[LEFT], points[RIGHT], q, message)) return ROPE_FAILED;
-    flow_velocities(nodes, q, rigid_flow(ends[LEFT].vy, ends[RIGHT].vy), v);
+    if (inextensible_min_tension(&tensions) < 0)
+        return say_rope_goes_slack(message, inextensible_min_tension(&tensions), t);
+    inextensible_energies(&scene->rope, &scene->layout, &tensions, &ends[LEFT], &ends[RIGHT], energies);
+    energy_balance->kinetic = energies[0];
+    energy_balance->gravity = energies[1];
+    centreline_suspension_points(&scene->layout, &ends[LEFT], &ends[RIGHT], points);
+    if (!hanging_guess(nodes, nodal->s, points[LEFT], points[RIGHT], q, message)) return ROPE_FAILED;
+    flow_velocities(nodes, q, inextensible_flow(ends[LEFT].vy, ends[RIGHT].vy), v);
     for (int i = 0; i < nodes * DOF; i++) a[i] = reaction[i] = 0.0;
     for (int side = LEFT; side <= RIGHT; side++) {
         const EndMotion *end = &ends[side];
@@ -71,7 +78,7 @@ RopeStatus rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int
 
 void rigid_tension(const NodalArrays *arrays, double rho, double gravity, int points, const double *places,
                    const double *y, double *tension) {
-    Flow rate = rigid_flow(arrays->a[1], end_row(arrays->a, arrays->nodes, RIGHT)[1]);
+    Flow rate = inextensible_flow(arrays->a[1], end_row(arrays->a, arrays->nodes, RIGHT)[1]);
     for (int k = 0; k < points; k++)
-        tension[k] = rigid_tension_at(rho, gravity, &rate, arrays->reaction[1], y[k] - arrays->q[1], places[k]);
+        tension[k] = inextensible_tension(rho, gravity, &rate, arrays->reaction[1], y[k] - arrays->q[1], places[k]);
 }

@@ -22,9 +22,9 @@ static const double CELLS[] = WIRE_CELLS; /* bounds of the points' cells, elemen
 
 /* Section of an element at a point.  Sections do not turn without torsion, even if the ends have theta. */
 static void read_section(const State *state, const NodalArrays *nodal, const double *q, int element, int point,
-                         double section[WIRE_POINT_STATE_SIZE]) {
+                         double section[WIRE_FRICTION_POINT_STATE_SIZE]) {
     static const double places[] = WIRE_PLACES;
-    section_at(places[point], nodal->lengths[element], q + (ptrdiff_t)element * DOF, section);
+    wire_friction_section_at(places[point], nodal->lengths[element], q + (ptrdiff_t)element * DOF, section);
     if (state->fidelity != TORSIONAL) section[ANGLE] = 0;
 }
 
@@ -32,12 +32,13 @@ void wires_history(const Rope *rope, State *state, const double *q, double (*str
     const NodalArrays nodal = state_arrays(state);
     const double stiffness = wire_stiffness(rope);
     for (int e = 0; e < nodal.elements; e++) {
-        double *history = wires + (ptrdiff_t)e * WIRE_HISTORY_SIZE;
-        for (int k = 0; k < WIRE_POINTS; k++, history += WIRE_POINT_STATE_SIZE) {
+        double *history = wires + (ptrdiff_t)e * WIRE_ELEMENT_HISTORY_SIZE;
+        for (int k = 0; k < WIRE_POINTS; k++, history += WIRE_FRICTION_POINT_STATE_SIZE) {
             read_section(state, &nodal, q, e, k, history);
-            memcpy(history + WIRE_POINT_STATE_SIZE - 3, nodal.z + (ptrdiff_t)e * WIRE_Z + 3 * k, 3 * sizeof *history);
+            memcpy(history + WIRE_FRICTION_POINT_STATE_SIZE - 3, nodal.z + (ptrdiff_t)e * WIRE_Z + 3 * k,
+                   3 * sizeof *history);
         }
-        history[0] = slip_curvature(rope, stiffness, strains[e][0], strains[e][1]);
+        history[0] = wire_friction_slip_curvature(rope, stiffness, strains[e][0], strains[e][1]);
         history[1] = stiffness;
     }
 }
@@ -48,12 +49,12 @@ double update_hysteresis(const double *wires, State *state, const double *q) {
     double dissipated = 0;
     if (!state->rubs) return 0;
     for (int e = 0; e < nodal.elements; e++) {
-        const double *before = wires + (ptrdiff_t)e * WIRE_HISTORY_SIZE;
-        const double *law = before + WIRE_POINTS * WIRE_POINT_STATE_SIZE;
-        double now[WIRE_POINT_STATE_SIZE];
-        for (int k = 0; k < WIRE_POINTS; k++, before += WIRE_POINT_STATE_SIZE) {
+        const double *before = wires + (ptrdiff_t)e * WIRE_ELEMENT_HISTORY_SIZE;
+        const double *law = before + WIRE_POINTS * WIRE_FRICTION_POINT_STATE_SIZE;
+        double now[WIRE_FRICTION_POINT_STATE_SIZE];
+        for (int k = 0; k < WIRE_POINTS; k++, before += WIRE_FRICTION_POINT_STATE_SIZE) {
             read_section(state, &nodal, q, e, k, now);
-            const BoucWenStep step = bouc_wen_step(before, now, law[0]);
+            const BoucWenStep step = wire_friction_bouc_wen_step(before, now, law[0]);
             memcpy(nodal.z + (ptrdiff_t)e * WIRE_Z + 3 * k, step.z, sizeof step.z);
             dissipated += law[1] * nodal.lengths[e] * weights[k] * step.dissipated;
         }

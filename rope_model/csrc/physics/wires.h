@@ -7,7 +7,7 @@
 #include "formulas.h"
 #include "state_structures.h"
 
-/* Below, `wires` has WIRE_HISTORY_SIZE numbers an element, Simulator.wires. */
+/* Below, `wires` has WIRE_ELEMENT_HISTORY_SIZE numbers an element, Simulator.wires. */
 
 /* Start friction between wires, with z = 0, if the rope has it (`wires` is not NULL) and is not rigid; return true if
    it started. */

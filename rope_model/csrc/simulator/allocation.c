@@ -52,9 +52,9 @@ static size_t lay_out(Simulator *sim, Arena *arena) {
     sim->gained = reserve(arena, sizeof *sim->gained * n);
     sim->reference.frames = reserve(arena, chain_frames_bytes(sim->elements));
     sim->work = reserve(arena, chain_work_bytes(sim->elements));
-    if (max_curvature(&scene->rope) > 0) sim->reference.curved = numbers(arena, CURVATURE_SIZE * n);
-    if (rubs) sim->reference.wires = numbers(arena, WIRE_HISTORY_SIZE * n);
-    if (rubs) sim->latest = numbers(arena, WIRE_TANGENT_SIZE * (n + MAX_LANES - 1));
+    if (max_curvature(&scene->rope) > 0) sim->reference.curved = numbers(arena, CURVED_SIZE * n);
+    if (rubs) sim->reference.wires = numbers(arena, WIRE_ELEMENT_HISTORY_SIZE * n);
+    if (rubs) sim->latest = numbers(arena, WIRE_ELEMENT_TANGENT_SIZE * (n + MAX_LANES - 1));
     sim->obstacles = reserve(arena, sizeof *sim->obstacles);
     sim->self_contact = reserve(arena, sizeof *sim->self_contact);
     const ClearanceCache cache = {.q = numbers(arena, size), .lengths = numbers(arena, n)};
@@ -69,8 +69,8 @@ static size_t lay_out(Simulator *sim, Arena *arena) {
     self_contact.others = reserve(arena, sizeof *self_contact.others * n);
     const size_t used = arena->used;
     if (presses) { /* room for strands that lie in each other */
-        const size_t places = (size_t)max_points(scene->rope.length, sim->elements, scene->rope.diameter);
-        self_contact.contacts = reserve(arena, sizeof *self_contact.contacts * MAX_STRANDS * places);
+        const size_t places = (size_t)rope_contact_max_points(scene->rope.length, sim->elements, scene->rope.diameter);
+        self_contact.contacts = reserve(arena, sizeof *self_contact.contacts * ROPE_CONTACT_MAX_STRANDS * places);
     }
     if (arena->block == NULL) return used;
     *sim->obstacles = obstacles;

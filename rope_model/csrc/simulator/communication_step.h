@@ -47,7 +47,7 @@ typedef struct {
     Phases after;     /* at its end */
     double duration;  /* s */
     TakenStep *steps; /* (MAX_TAKEN) */
-    Path paths[2];
+    EndPath paths[2];
     bool at_step_end; /* true if the derivatives are those to inputs of the step's end */
     unsigned derived; /* bit i: the derivatives to input i are known */
     size_t repeats;   /* number of communication steps that were recorded or taken again, since the rope was created */

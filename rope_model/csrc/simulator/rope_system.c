@@ -51,8 +51,8 @@ static System system_of(const Simulator *sim, State *state) {
         ends_freedom(&sim->scene, state, side, sys.free[side]);
         sys.inertia[side] = swivel->inertia;
         sys.plumb[side] = swivel->attachment == PLUMB;
-        sys.load[side] = slip_constant(swivel, now);
-        sys.friction_load[side] = slip_per_tension(swivel, now);
+        sys.load[side] = swivel_phases_slip_constant(swivel, now);
+        sys.friction_load[side] = swivel_phases_slip_per_tension(swivel, now);
     }
     return sys;
 }

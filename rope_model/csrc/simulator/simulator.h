@@ -20,8 +20,8 @@
 typedef struct {
     const State *of;      /* the state that it belongs to; a rigid one needs none */
     double *frames;       /* of the elements */
-    double *wires;        /* WIRE_HISTORY_SIZE numbers an element; or NULL */
-    double *curved;       /* CURVATURE_SIZE numbers an element; or NULL */
+    double *wires;        /* WIRE_ELEMENT_HISTORY_SIZE numbers an element; or NULL */
+    double *curved;       /* CURVED_SIZE numbers an element; or NULL */
     double left_slope[3]; /* r' of the left end */
 } Reference;
 

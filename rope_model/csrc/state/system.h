@@ -19,12 +19,13 @@ typedef struct {
     struct Obstacles *obstacles; /* NULL without bodies */
     struct SelfContactState *self_contact; /* NULL without contact of the rope with itself */
     const PointForces *forces;             /* NULL without forces */
-    const double *wires;  /* WIRE_HISTORY_SIZE numbers an element; NULL without friction between wires */
-    const double *curved; /* CURVATURE_SIZE numbers an element; NULL without permanent curvature */
+    const double *wires;  /* WIRE_ELEMENT_HISTORY_SIZE numbers an element; NULL without friction between wires */
+    const double *curved; /* CURVED_SIZE numbers an element; NULL without permanent curvature */
     double time;          /* time at which point forces are evaluated, s */
-    double *latest;       /* WIRE_TANGENT_SIZE numbers an element, of the latest tangent; scratch, aligned as frames */
-    double P[PARAMETERS]; /* parameters of the element functions */
-    bool air_acts;        /* else `air` is not read */
+    double
+        *latest; /* WIRE_ELEMENT_TANGENT_SIZE numbers an element, of the latest tangent; scratch, aligned as frames */
+    double P[ELEMENT_PARAMETERS]; /* parameters of the element functions */
+    bool air_acts;                /* else `air` is not read */
     double air[AIR_COEFFICIENTS]; /* numbers of AirCoefficients, in their order */
     double load[2];               /* moments on theta of the ends, N m, besides friction_load */
     double friction_load[2];      /* the part of them that grows with the tension, N m per N */
@@ -36,7 +37,7 @@ typedef struct {
 
 /* Return the tension at an end, which is plumb or not, from its rows of q and of the reaction. */
 static inline double tension_at_end(bool plumb, int side, const double *q, const double *reaction) {
-    return plumb ? reaction[1] : tension_along(side ? 1 : -1, q + SLOPE, reaction);
+    return plumb ? reaction[1] : swivel_tension_along(side ? 1 : -1, q + SLOPE, reaction);
 }
 
 /* Interpolate r, or its speed, in an element with shape functions N. */

@@ -45,11 +45,9 @@ static Progress dynamic_equilibrium(Simulator *sim, State *state, double time, d
     const System sys = rope_system(sim, state);
     const size_t bytes = sizeof(double) * (size_t)nodal.nodes * DOF;
     const double c[3] = {1, 0, pow(time, -2)};
-    double balance[BALANCE];
+    double balance[ENERGIES];
     copy_fields(now, &nodal);
-    const Progress newton =
-        chain_of(sim, state)
-            ->solve(&sys, sim->work, now->q, now->v, now->a, now->reaction, c, tolerance, NULL, balance);
+    const Progress newton = chain_of(sim, state)->solve(&sys, sim->work, now, c, tolerance, NULL, balance);
     if (newton.status != CONVERGED) return newton;
     update_hysteresis(sim->reference.wires, state, now->q);
     update_angles(sim, state, now->q, nodal.v, nodal.a, nodal.b);
@@ -71,10 +69,11 @@ static int on_partition(Simulator *sim, State *state, int direction, const doubl
     memset(nodal.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(nodal.nodes - 2));
     rope_system_refer(sim, state, nodal.q);
     const Solver *solver = &sim->scene.solver;
-    const double tolerance = sim->replay.repeating
-                                 ? REPEATED_ERROR
-                                 : effective_tolerance(solver->newton_tolerance, solver->work_max, BOUNDED_MESH_ERROR);
-    double time = RELAXATION_TIME;
+    const double tolerance =
+        sim->replay.repeating
+            ? REPEATED_ERROR
+            : newton_effective_tolerance(solver->newton_tolerance, solver->work_max, NEWTON_BOUNDED_MESH_ERROR);
+    double time = STEPPING_RELAXATION_TIME;
     Progress newton = dynamic_equilibrium(sim, state, time, tolerance);
     for (; newton.status != CONVERGED; newton = dynamic_equilibrium(sim, state, time, tolerance)) {
         if (time <= solver->step_min) return newton.status;
@@ -88,13 +87,13 @@ static int on_partition(Simulator *sim, State *state, int direction, const doubl
 
 int transform_if_due(Simulator *sim, State *state) {
     /* A step that is taken again transforms when the recorded one did. */
-    const Path *paths = sim->replay.repeating ? sim->replay.paths : state->paths;
+    const EndPath *paths = sim->replay.repeating ? sim->replay.paths : state->paths;
     const double bottom_s = bottom_arc_length(&sim->scene, paths, state->t);
     double divider_s[DIVIDERS];
     int status = CONVERGED;
     dividers_on_rope(&sim->scene, paths, state->t, divider_s);
     while (status == CONVERGED) {
-        const int direction = (int)transformation_due(&state->pattern, bottom_s, DUE_EARLY);
+        const int direction = (int)mesh_pattern_transformation_due(&state->pattern, bottom_s, MESH_PATTERN_DUE_EARLY);
         if (direction == 0 && !window_due(&state->pattern, divider_s)) break;
         status = on_partition(sim, state, direction, divider_s);
     }
@@ -104,25 +103,25 @@ int transform_if_due(Simulator *sim, State *state) {
 void update_loop_yaw(State *state) {
     const NodalArrays x = state_arrays(state);
     const double *d = x.q + (size_t)lowest_node(x.nodes, x.q) * DOF + SLOPE;
-    state->loop_yaw = nearest_turn(atan2(-d[2], d[0]), state->loop_yaw);
+    state->loop_yaw = centreline_nearest_turn(atan2(-d[2], d[0]), state->loop_yaw);
 }
 
 RopeStatus raise_fidelity(Simulator *sim, State *state, const char *why, char *message) {
     const NodalArrays nodal = state_arrays(state);
     const int was = state->fidelity;
-    const EndMotion ends[2] = {path_at(&state->paths[LEFT], INFINITY), path_at(&state->paths[RIGHT], INFINITY)};
+    const EndMotion ends[2] = {end_path_at(&state->paths[LEFT], INFINITY), end_path_at(&state->paths[RIGHT], INFINITY)};
     say_cannot_follow(state->fidelity_reason, fidelity_name(was), why);
     state->fidelity = lowest_sufficient(&sim->scene, ends, sim->forces.count);
     state->offsets[LEFT] = 0;
-    state->offsets[RIGHT] = right_offset(nodal.q, end_row(nodal.q, nodal.nodes, RIGHT));
+    state->offsets[RIGHT] = end_conditions_right_offset(nodal.q, end_row(nodal.q, nodal.nodes, RIGHT));
     record_event(state, RAISED, state->fidelity, 0, 0);
     rope_system_refer(sim, state, nodal.q);
-    if (was != RIGID && !carries_torque(&sim->scene)) {
+    if (was != RIGID && !fidelity_rules_carries_torque(&sim->scene)) {
         restart_motion(sim, state);
         return ROPE_DONE;
     }
     if (was == RIGID && !flexible_start(sim, state, message)) return ROPE_FAILED;
-    if (dynamic_equilibrium(sim, state, SETTLING_TIME, SETTLING_TOLERANCE).status == CONVERGED)
+    if (dynamic_equilibrium(sim, state, STEPPING_SETTLING_TIME, SETTLING_TOLERANCE).status == CONVERGED)
         memcpy(nodal.reaction, sim->trial.reaction, sizeof(double) * (size_t)nodal.nodes * DOF);
     else
         update_angles(sim, state, nodal.q, nodal.v, nodal.a, nodal.b);

@@ -35,19 +35,20 @@ RopeStatus flexible_start(Simulator *sim, State *state, char *message) {
     double *q = nodal.b;
     double *reaction = nodal.a_rate;
     double *const all[3] = {nodal.q, nodal.v, nodal.a};
-    const Path paths[2] = {state->paths[LEFT], state->paths[RIGHT]};
+    const EndPath paths[2] = {state->paths[LEFT], state->paths[RIGHT]};
     double director[3];
     memcpy(director, state->director, sizeof director);
     memcpy(sim->spare, state, sim->state_bytes);
     const double *rigid = state_arrays(sim->spare).q;
-    for (int side = LEFT; side <= RIGHT; side++) state->paths[side] = path_coasting(&paths[side], t);
+    for (int side = LEFT; side <= RIGHT; side++)
+        state->paths[side] = end_path_at_constant_acceleration(&paths[side], t);
     sim->corrections = sim->solutions = 0;
     RopeStatus found = find_equilibrium(sim, state, INFINITY, message);
     const double turned = state->offsets[RIGHT];
     memcpy(q, nodal.q, bytes);
     memcpy(reaction, nodal.reaction, bytes);
     for (int k = 1; k < 3 && found; k++) { /* equilibria just before and after t */
-        state->t = k == 1 ? t - DIFFERENCE : t + DIFFERENCE;
+        state->t = k == 1 ? t - STEPPING_DIFFERENCE : t + STEPPING_DIFFERENCE;
         state->offsets[RIGHT] = turned;
         memcpy(nodal.q, q, bytes);
         found = find_equilibrium(sim, state, INFINITY, message);
@@ -63,8 +64,8 @@ RopeStatus flexible_start(Simulator *sim, State *state, char *message) {
     rope_system_refer(sim, state, rigid);
     for (size_t i = 0; i < size; i++) {
         const double before = nodal.v[i], after = nodal.a[i];
-        nodal.v[i] = (after - before) / (2 * DIFFERENCE);
-        nodal.a[i] = (after - 2 * nodal.q[i] + before) / (DIFFERENCE * DIFFERENCE);
+        nodal.v[i] = (after - before) / (2 * STEPPING_DIFFERENCE);
+        nodal.a[i] = (after - 2 * nodal.q[i] + before) / (STEPPING_DIFFERENCE * STEPPING_DIFFERENCE);
     }
     return found;
 }

@@ -39,18 +39,18 @@ static const double *resolved_change(Simulator *sim, const Chain *chain, const S
     const size_t size = (size_t)now->nodes * DOF;
     for (size_t i = 0; i < size; i++) sim->x[i] = now->a[i] - before[i];
     if (sys->wires == NULL) return sim->x;
-    chain->resolve(sys, sim->work, now->q, now->v, now->a, sim->x, now->reaction, sim->x);
+    chain->resolve(sys, sim->work, now, sim->x, sim->x);
     for (size_t i = 0; i < size; i++) sim->x[i] *= c_a;
     return sim->x;
 }
 
 /* True if the rate of the acceleration over the step `before` may predict a step h. */
 static bool rate_known(double h, double before) {
-    return 0 < h && h <= MAX_GROWTH * before;
+    return 0 < h && h <= GENERALIZED_ALPHA_MAX_GROWTH * before;
 }
 
 double recentring(const Coefficients *method, double h, double before) {
-    return rate_known(h, before) ? recentring_time(method, h, before) : 0;
+    return rate_known(h, before) ? generalized_alpha_recentring_time(method, h, before) : 0;
 }
 
 static void predict(const NodalArrays *old, double h, double ahead, const double w[6], double *RESTRICT q,
@@ -73,18 +73,19 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
     double c[3], w[6], aux[4];
     bool finite = true;
     StepResult result = {.t = state->t + h, .h = h, .error = INFINITY};
-    prediction_weights(&method, h, time_shift, ahead, w);
-    auxiliary_weights(&method, time_shift, aux);
-    newton_coefficients(&method, h, c);
+    generalized_alpha_prediction_weights(&method, h, time_shift, ahead, w);
+    generalized_alpha_auxiliary_weights(&method, time_shift, aux);
+    generalized_alpha_newton_coefficients(&method, h, c);
     predict(&old, h, ahead, w, now->q, now->v, now->a);
     rope_system_prescribed_motion(&sim->scene, state, result.t, 3, (double *[]){now->q, now->v, now->a});
     sys->time = result.t;
     memcpy(now->reaction, old.reaction, sizeof(double) * size);
     const Chain *chain = chain_of(sim, state);
     const Solver *solver = &sim->scene.solver;
-    result.newton = chain->solve(sys, sim->work, now->q, now->v, now->a, now->reaction, c,
-                                 effective_tolerance(solver->newton_tolerance, solver->work_max, BOUNDED_STEP_ERROR),
-                                 old.q, result.balance);
+    result.newton =
+        chain->solve(sys, sim->work, now, c,
+                     newton_effective_tolerance(solver->newton_tolerance, solver->work_max, NEWTON_BOUNDED_STEP_ERROR),
+                     old.q, result.balance);
     for (size_t i = 0; i < size; i++) finite &= isfinite(now->reaction[i]);
     if (result.newton.status == CONVERGED && !finite) result.newton.status = NOT_FINITE;
     result.converged = result.newton.status == CONVERGED;
@@ -94,24 +95,26 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
         now->a_rate[i] = (now->a[i] - old.a[i]) / h;
     }
     const double *change = resolved_change(sim, chain, sys, c[2], old.a);
-    result.error = local_error(&method, h, chain_norm(sys, change, sys->shortest));
+    result.error = generalized_alpha_local_error(&method, h, chain_norm(sys, change, sys->shortest));
     for (int side = LEFT; side <= RIGHT; side++)
-        result.strains[side] = local_error(&method, h, end_strain(&sim->scene, now->nodes, now->q, change, side));
+        result.strains[side] =
+            generalized_alpha_local_error(&method, h, end_strain(&sim->scene, now->nodes, now->q, change, side));
     return result;
 }
 
 void generalized_alpha_restart(Simulator *sim, State *state, const System *sys) {
     const NodalArrays nodal = state_arrays(state);
+    NodalArrays present = nodal;
     const size_t size = (size_t)nodal.nodes * DOF;
     const double c[3] = {0, 0, 1};
-    double unused[BALANCE];
+    double unused[ENERGIES];
     double *reaction = sim->trial.reaction;
+    present.reaction = reaction;
     memset(nodal.a, 0, sizeof(double) * size);
     rope_system_prescribed_motion(&sim->scene, state, state->t, 3, (double *[]){nodal.q, nodal.v, nodal.a});
     for (int again = 0; again < 2; again++) { /* friction of the second pass uses the reactions of the first */
         memcpy(reaction, nodal.reaction, sizeof(double) * size);
-        chain_of(sim, state)
-            ->newton_step(sys, sim->work, nodal.q, nodal.v, nodal.a, reaction, c, again, sim->x, nodal.reaction);
+        chain_of(sim, state)->newton_step(sys, sim->work, &present, c, again, sim->x, nodal.reaction);
         for (size_t i = 0; i < size; i++) nodal.a[i] += sim->x[i];
     }
     memcpy(reaction, nodal.reaction, sizeof(double) * size);

@@ -15,7 +15,7 @@ typedef struct {
     double error;       /* local error, by chain_norm */
     double strains[2];  /* local error of the strains at the ends */
     double error_ratio; /* largest local error divided by its tolerance */
-    double balance[BALANCE];
+    double balance[ENERGIES];
     bool converged; /* true if Newton's method converged */
     bool near;      /* true if the rope may touch a body */
     Progress newton;

@@ -56,13 +56,13 @@ static RopeStatus equilibrium_in_frame(Simulator *sim, State *state, double max_
 /* Add twist in steps, each to an equilibrium.  `spare` has the state before the latest step. */
 static RopeStatus turn_in(Simulator *sim, State *state, double twist, char *message) {
     const NodalArrays nodal = state_arrays(state);
-    double left = twist, beyond = INFINITY, size = TWIST_STEP;
+    double left = twist, beyond = INFINITY, size = STATICS_TWIST_STEP;
     while (left != 0) {
         size = fmin(size, 0.5 * fabs(left - beyond));
         const double step = size < fabs(left) ? copysign(size, twist) : left;
-        const bool last = fabs(step) <= MIN_TWIST_STEP;
+        const bool last = fabs(step) <= STATICS_MIN_TWIST_STEP;
         char why[MESSAGE];
-        if (sim->corrections >= MAX_CORRECTIONS) {
+        if (sim->corrections >= STATICS_MAX_CORRECTIONS) {
             say_takes_too_long(why);
             return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)sim->corrections, why);
         }
@@ -70,7 +70,7 @@ static RopeStatus turn_in(Simulator *sim, State *state, double twist, char *mess
         state->offsets[RIGHT] += step;
         for (int k = 0; k < nodal.nodes; k++)
             nodal.q[(size_t)k * DOF + ANGLE] += step * (nodal.s[k] / nodal.s[nodal.elements]);
-        if (!equilibrium_in_frame(sim, state, last ? INFINITY : MAX_TURN, message)) {
+        if (!equilibrium_in_frame(sim, state, last ? INFINITY : STATICS_MAX_TURN, message)) {
             if (!sim->turned) {
                 memcpy(why, message, MESSAGE);
                 return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)sim->corrections, why);
@@ -82,8 +82,8 @@ static RopeStatus turn_in(Simulator *sim, State *state, double twist, char *mess
         }
         const double turn = state->offsets[RIGHT] - sim->spare->offsets[RIGHT] - step;
         left -= step;
-        if (fabs(turn) > MAX_TURN) state->snap_twist = twist - left;
-        size = fmin(2 * fabs(step), TWIST_STEP);
+        if (fabs(turn) > STATICS_MAX_TURN) state->snap_twist = twist - left;
+        size = fmin(2 * fabs(step), STATICS_TWIST_STEP);
         if (last) beyond = INFINITY;
     }
     return ROPE_DONE;
@@ -104,7 +104,7 @@ static RopeStatus lay_down(Simulator *sim, State *state, char *message) {
     const NodalArrays nodal = state_arrays(state);
     const double lowest = nodal.q[(size_t)lowest_node(nodal.nodes, nodal.q) * DOF + 1];
     const double below = shaft.contact.stiffness > 0 ? shaft.sump.level - lowest : 0;
-    const int parts = below > 0 ? (int)fmin(ceil(below / FLOOR_STEP), MAX_FLOOR_STEPS) : 0;
+    const int parts = below > 0 ? (int)fmin(ceil(below / STATICS_FLOOR_STEP), STATICS_MAX_FLOOR_STEPS) : 0;
     RopeStatus found = ROPE_DONE;
     for (int k = 0; k < parts && found; k++) {
         put_floor(&sim->scene, sim->obstacles, lowest + below * k / parts);
@@ -121,7 +121,7 @@ static RopeStatus lay_down(Simulator *sim, State *state, char *message) {
 /* Find the equilibrium of the straight rope first, then add its permanent curvature in steps. */
 static RopeStatus let_curve(Simulator *sim, State *state, char *message) {
     const Rope whole = sim->scene.rope;
-    const int parts = is_curved(sim->reference.curved, &sim->scene.rope, state->fidelity) ? CURVATURE_STEPS : 0;
+    const int parts = is_curved(sim->reference.curved, &sim->scene.rope, state->fidelity) ? STATICS_CURVATURE_STEPS : 0;
     RopeStatus found = ROPE_DONE;
     for (int k = 0; k <= parts && found; k++) {
         if (parts > 0) sim->scene.rope = partly_curved(&whole, (double)k / parts);
@@ -171,9 +171,9 @@ static RopeStatus relax(Simulator *sim, State *state, const Before *before, char
             const Swivel *swivel = &sim->scene.swivels[side];
             const double *R = end_row(nodal.reaction, nodal.nodes, side);
             const double tension = ends_tension(&sim->scene, &nodal, side);
-            if (sign[side] != 0 || !relaxes(swivel, &state->swivels[side], state->t)) continue;
-            const double friction = kinetic_friction(swivel, tension);
-            if (!(beyond_rest(swivel, tension, R[ANGLE]) >= 0 && friction < least)) continue;
+            if (sign[side] != 0 || !swivel_phases_relaxes(swivel, &state->swivels[side], state->t)) continue;
+            const double friction = swivel_phases_kinetic_friction(swivel, tension);
+            if (!(swivel_phases_beyond_rest(swivel, tension, R[ANGLE]) >= 0 && friction < least)) continue;
             loosest = side;
             least = friction;
         }
@@ -209,17 +209,17 @@ static RopeStatus hang_in_loop(Simulator *sim, State *state, char *message) {
 
 void paths_at_rest(const Scene *scene, State *state, const EndMotion ends[2], double placed) {
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double share = not_plumb(scene) ? placed : 1, sense = side ? 1 : -1;
-        const EndMotion end = partly_placed(scene, &ends[side], &ends[!side], sense, share);
-        state->paths[side] = path_resting(state->t, &end);
+        const double share = fidelity_rules_not_plumb(scene) ? placed : 1, sense = side ? 1 : -1;
+        const EndMotion end = end_conditions_partly_placed(scene, &ends[side], &ends[!side], sense, share);
+        state->paths[side] = end_path_at_rest(state->t, &end);
     }
 }
 
 RopeStatus hang(Simulator *sim, State *state, const EndMotion ends[2], char *message) {
-    const int steps = not_plumb(&sim->scene) ? PLACING_STEPS : 0;
+    const int steps = fidelity_rules_not_plumb(&sim->scene) ? STATICS_PLACING_STEPS : 0;
     RopeStatus found = hang_in_loop(sim, state, message);
     for (int k = 0; k < steps && found; k++) {
-        paths_at_rest(&sim->scene, state, ends, (k + 1.0) / PLACING_STEPS);
+        paths_at_rest(&sim->scene, state, ends, (k + 1.0) / STATICS_PLACING_STEPS);
         found = equilibrium_in_frame(sim, state, INFINITY, message);
     }
     return found && (steps == 0 || relax(sim, state, NULL, message));

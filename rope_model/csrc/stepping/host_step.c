@@ -43,9 +43,9 @@ static RopeStatus move_ends(Simulator *sim, State *state, double t, const EndMot
     const FilterSettings settings = filter_settings(scene, scene->inputs.given);
     for (int side = LEFT; side <= RIGHT; side++) {
         const InputFilter now = follow_end(sim->state, &settings, side, t, &ends[side], given_at);
-        const Path path = filter_path(&sim->state->paths[side], &now, t, settings.observer);
-        double measures[14];
-        path_measures(&path, &now, measures);
+        const EndPath path = filter_path(&sim->state->paths[side], &now, t, settings.observer);
+        double measures[PATH_MEASURES];
+        input_filter_path_measures(&path, &now, measures);
         if (!check_motion(scene, &ends[side], measures, side, sim->message)) return ROPE_FAILED;
         if (!check_input_age(&scene->inputs, t, &now, side, sim->message)) return ROPE_FAILED;
         state->paths[side] = path;
@@ -54,7 +54,7 @@ static RopeStatus move_ends(Simulator *sim, State *state, double t, const EndMot
     char why[MESSAGE];
     EndMotion filtered[2] = {ends[LEFT], ends[RIGHT]};
     if (scene->inputs.given != ALL_GIVEN)
-        for (int side = LEFT; side <= RIGHT; side++) filtered[side] = path_at(&state->paths[side], t);
+        for (int side = LEFT; side <= RIGHT; side++) filtered[side] = end_path_at(&state->paths[side], t);
     unsupported_motion(&sim->scene, state->fidelity, filtered, sim->forces.count, why);
     if (!why[0]) return ROPE_DONE;
     if (sim->scene.model.fidelity != AUTO_FIDELITY)
@@ -94,8 +94,8 @@ static void add_rigid_impulse(const Scene *scene, State *state, double begin, co
                               double impulse[2]) {
     const NodalArrays nodal = state_arrays(state);
     const double h = state->t - begin, middle = begin + 0.5 * h;
-    const EndMotion left = path_at(&state->paths[LEFT], middle), right = path_at(&state->paths[RIGHT], middle);
-    const RigidTensions between = rigid_tensions(&scene->rope, &scene->layout, &left, &right);
+    const EndMotion left = end_path_at(&state->paths[LEFT], middle), right = end_path_at(&state->paths[RIGHT], middle);
+    const RigidTensions between = inextensible_rigid_tensions(&scene->rope, &scene->layout, &left, &right);
     for (int side = LEFT; side <= RIGHT; side++) {
         const double now = end_row(nodal.reaction, nodal.nodes, side)[1];
         impulse[side] += h / 6 * (before[side] + 4 * between.at_ends[side] + now);
@@ -127,7 +127,7 @@ RopeStatus take_host_step(Simulator *sim, const HostStep *host, int *event) {
     const double *audited = state->audit.impulse + AUDIT_END_LOADS;
     const double already[2] = {audited[LEFT], audited[RIGHT]};
     double rigid_impulse[2] = {0, 0};
-    const double most = max_iterations(t - begin, step_max);
+    const double most = stepping_max_iterations(t - begin, step_max);
     const int64_t newton_before = sim->state->counts.newton;
     while (state->t < t) {
         const double t_before = state->t,
@@ -135,15 +135,15 @@ RopeStatus take_host_step(Simulator *sim, const HostStep *host, int *event) {
         char why[MESSAGE];
         const int64_t newton = state->counts.newton - newton_before;
         if ((double)newton >= most) return say_too_much_work(sim->message, t_before, (int)newton, begin, t);
-        if (state->counts.steps + state->counts.rejections - steps_before >= MAX_STEPS)
-            return say_too_many_steps(sim->message, t_before, MAX_STEPS, begin, t);
+        if (state->counts.steps + state->counts.rejections - steps_before >= STEPPING_MAX_STEPS)
+            return say_too_many_steps(sim->message, t_before, STEPPING_MAX_STEPS, begin, t);
         if (!step_towards(sim, state, t, why)) return say_fails_at(sim->message, t_before, why);
-        if (state->t >= t || state->t - state->monitored_at >= MONITOR_INTERVAL) {
+        if (state->t >= t || state->t - state->monitored_at >= BODIES_MONITOR_INTERVAL) {
             update_passages(&sim->scene, sim->self_contact, state);
             update_guards(&sim->scene, state);
         }
         if (host->to_event) *event |= has_event(&sim->scene, sim->state, state);
-        if (*event && state->t < t && state->t - begin >= CHATTER_TIME) {
+        if (*event && state->t < t && state->t - begin >= SWIVEL_PHASES_CHATTER_TIME) {
             t = state->t; /* last round */
             cut_paths(&sim->scene, sim->state, state, t, ends, host->given_at);
         }
@@ -151,7 +151,7 @@ RopeStatus take_host_step(Simulator *sim, const HostStep *host, int *event) {
     }
     set_mean_forces(state, t - begin, already, rigid_impulse);
     if (*event && state->fidelity != RIGID) release_swivels(sim, state);
-    audit_interval(sim, state, t - begin, energy_residual(&sim->state->energy_balance));
+    audit_interval(sim, state, t - begin, energy_balance_residual(&sim->state->energy_balance));
     state->last_interval = t - begin;
     if (state->counts.given_up > 0 && sim->state->counts.given_up == 0) state->given_up_since = begin;
     return ROPE_DONE;

@@ -72,7 +72,7 @@ static bool accepts(const Correction *correction, double rounding, double max_ga
 
 /* Return tau after a correction that was taken. */
 static double longer_time(double tau, const Correction *correction) {
-    const double fall = correction->force / fmax(correction->force_left, TINY);
+    const double fall = correction->force / fmax(correction->force_left, ELEMENTARY_SMALLEST_DIVISOR);
     return fmin(tau * fmin(STATICS_LARGEST_GROWTH, fmax(STATICS_LEAST_GROWTH, fall)), STATICS_LONGEST_TIME);
 }
 
@@ -98,9 +98,9 @@ RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char 
     double *R = sim->trial.a;
     double *now = sim->trial.b;
     double *x = sim->x;
-    double balance[BALANCE];
-    const bool shortened = lacks_symmetry(sys.P[P_QS], sys.P[P_QK]) > 0;
-    const double largest = fmin(MAX_MOVE, 0.5 * min_body_thickness(&sim->scene));
+    double balance[ENERGIES];
+    const bool shortened = statics_lacks_symmetry(sys.P[P_QS], sys.P[P_QK]) > 0;
+    const double largest = fmin(STATICS_MAX_MOVE, 0.5 * bodies_min_body_thickness(&sim->scene));
     const double length = nodal.s[nodal.elements];
     const double rounding = STATICS_ROUNDED * DBL_EPSILON * sim->scene.rope.Qa * length / sys.shortest;
     Correction correction = {0};
@@ -112,11 +112,14 @@ RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char 
     int k;
     sim->turned = false;
     memset(zeros, 0, bytes);
+    NodalArrays rest = nodal;
+    rest.v = zeros;
+    rest.a = zeros;
     for (k = 0; k < MAX_ITERATIONS && tau >= STATICS_SHORTEST_TIME; k++) {
         sim->corrections++;
         const int64_t solutions = sim->self_contact->solutions;
         const double c[3] = {1, 0, pow(tau, -2)};
-        chain->newton_step(&sys, sim->work, nodal.q, zeros, zeros, nodal.reaction, c, 0, x, now);
+        chain->newton_step(&sys, sim->work, &rest, c, 0, x, now);
         correction.force = imbalance(&sys, now);
         sim->solutions += sim->self_contact->solutions - solutions;
         if (sim->solutions > MAX_SOLUTIONS) return say_winds_about_itself(message, correction.force, MAX_SOLUTIONS);
@@ -128,15 +131,16 @@ RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char 
         }
         correction.error = -work_along(&sys, now, x);
         /* The tangent lacks the part of the law without energy; relaxation makes up for it. */
-        if (shortened && tau > SETTLED && last > 0) relaxed = relaxation(correction.error / last, relaxed);
-        const double step = fmin(relaxed, largest / fmax(move, TINY));
+        if (shortened && tau > STATICS_SETTLED && last > 0)
+            relaxed = statics_relaxation(correction.error / last, relaxed);
+        const double step = fmin(relaxed, largest / fmax(move, ELEMENTARY_SMALLEST_DIVISOR));
         /* How a step that is cut changes the error tells nothing of the tangent. */
         last = step < relaxed ? 0 : correction.error;
         for (size_t i = 0; i < size; i++) trial[i] = nodal.q[i] + step * x[i];
         chain->evaluate(&sys, trial, zeros, zeros, now, R, balance);
         correction.force_left = imbalance(&sys, R);
         correction.work_left = work_along(&sys, R, x);
-        if (!accepts(&correction, rounding, k < PATIENCE ? STATICS_MAX_GAIN : 1)) {
+        if (!accepts(&correction, rounding, k < STATICS_PATIENCE ? STATICS_MAX_GAIN : 1)) {
             tau *= STATICS_SHRINK;
             last = 0;
             continue;
@@ -147,7 +151,7 @@ RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char 
         memcpy(nodal.q, trial, bytes);
         memcpy(nodal.reaction, R, bytes);
         balanced += correction.force_left <= rounding;
-        if (balanced > BALANCED || (tau > STATICS_NEWTON_TIME && norm < REST_TOLERANCE * length)) {
+        if (balanced > STATICS_BALANCED || (tau > STATICS_NEWTON_TIME && norm < STATICS_REST_TOLERANCE * length)) {
             state->offsets[RIGHT] += turned;
             return ROPE_DONE;
         }

@@ -1,8 +1,8 @@
 /* One step of the rope: step-size control, swivel events and transformations.
 
    Steps end at the instants where a swivel is released or changes between stick and slip.  A transformation of the mesh
-   waits for a step's end, unless the step would carry the loop MAX_OVERSHOOT l beyond the limit.  A step that does not
-   converge or whose error is too large is rejected, halved and repeated, down to the smallest step. */
+   waits for a step's end, unless the step would carry the loop MESH_PATTERN_MAX_OVERSHOOT l beyond the limit.  A step
+   that does not converge or whose error is too large is rejected, halved and repeated, down to the smallest step. */
 
 #include "stepping.h"
 
@@ -36,8 +36,8 @@ typedef struct {
 
 static double due_at(void *data, double time) {
     const DueContext *context = data;
-    return distance_past_limit(&context->state->pattern,
-                               bottom_arc_length(context->scene, context->state->paths, time));
+    return mesh_pattern_distance_past_limit(&context->state->pattern,
+                                            bottom_arc_length(context->scene, context->state->paths, time));
 }
 
 /* Return the end of the coming steps: the host's, a release, or a transformation that a step would pass too far. */
@@ -50,15 +50,15 @@ static double next_stop(const Scene *scene, const State *state, double t_end) {
     /* The next step finds a crossing between these times, at most one step late. */
     for (int k = 0; k < 2; k++) {
         const double value = due_at(&context, times[k]);
-        if (0 > at_start && value >= MAX_OVERSHOOT * state->pattern.coarse)
-            return fmin(locate(due_at, &context, t, times[k], at_start, value, EVENT_WIDTH), stop);
+        if (0 > at_start && value >= MESH_PATTERN_MAX_OVERSHOOT * state->pattern.coarse)
+            return fmin(locate(due_at, &context, t, times[k], at_start, value, SWIVEL_PHASES_EVENT_WIDTH), stop);
     }
     return stop;
 }
 
 /* Return the number of steps, at least one, that the iterations left to this advance allow. */
 static int64_t steps_left(int64_t newton_limit, const State *state) {
-    const int64_t left = (newton_limit - state->counts.newton) / STEP_ITERATIONS;
+    const int64_t left = (newton_limit - state->counts.newton) / NEWTON_STEP_ITERATIONS;
     return left > 1 ? left : 1;
 }
 
@@ -68,13 +68,13 @@ static RopeStatus accepted_step(Simulator *sim, State *state, double stop, StepR
                                 bool *reaches, char *message) {
     const Solver *solver = &sim->scene.solver;
     double next = fmin(state->step_next, solver->step_max);
-    double parts = substeps(stop - state->t, next, (double)steps_left(sim->newton_limit, state));
+    double parts = step_control_substeps(stop - state->t, next, (double)steps_left(sim->newton_limit, state));
     double h = (stop - state->t) / parts;
     bool rejected = false;
     for (;;) {
         *trial = compute_trial(sim, state, h);
         state->counts.newton += trial->newton.iterations;
-        if (trial->converged && trial->error_ratio <= ACCEPT_BELOW * solver->tolerance) break;
+        if (trial->converged && trial->error_ratio <= STEP_CONTROL_ACCEPT_BELOW * solver->tolerance) break;
         if (trial->converged && stop - state->t > 0.5 * h * (double)steps_left(sim->newton_limit, state)) {
             next = h;
             break;
@@ -104,10 +104,8 @@ RopeStatus as_rigid(Simulator *sim, State *state, double t, char *message) {
     state->t = t;
     transform_if_due(sim, state);
     const NodalArrays nodal = state_arrays(state);
-    const EndMotion ends[2] = {path_at(&state->paths[LEFT], t), path_at(&state->paths[RIGHT], t)};
-    const RopeStatus status =
-        rigid_rope(&sim->scene, ends, t, nodal.nodes, nodal.s, nodal.q, nodal.v, nodal.a, nodal.reaction,
-                   &state->energy_balance.kinetic, &state->energy_balance.gravity, message);
+    const EndMotion ends[2] = {end_path_at(&state->paths[LEFT], t), end_path_at(&state->paths[RIGHT], t)};
+    const RopeStatus status = rigid_rope(&sim->scene, ends, t, &nodal, &state->energy_balance, message);
     memcpy(nodal.b, nodal.a, sizeof(double) * (size_t)nodal.nodes * DOF);
     memset(nodal.a_rate, 0, sizeof(double) * (size_t)nodal.nodes * DOF);
     state->h = 0;
@@ -153,7 +151,7 @@ RopeStatus step_towards(Simulator *sim, State *state, double t_end, char *messag
         if (switching != NOT_FOUND) break;
         /* A shorter step may not reach the event, or locate it more easily. */
         state->step_next = fmax(0.5 * (end - state->t), sim->scene.solver.step_min);
-        if (state->step_next > SHORTER * (end - state->t))
+        if (state->step_next > STEPPING_SHORTER * (end - state->t))
             return say_step_to_event_fails(message, NEWTON_MESSAGES[trial.newton.status]);
         state->counts.rejections += 1;
     }

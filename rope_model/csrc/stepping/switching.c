@@ -44,8 +44,8 @@ void release_swivels(Simulator *sim, State *state) {
     for (int side = LEFT; side <= RIGHT; side++) {
         const Swivel *swivel = &sim->scene.swivels[side];
         SwivelState *now = &state->swivels[side];
-        if (state->t >= released_at(swivel, now)) {
-            now->phase = frictionless(swivel) ? SLIP : STICK;
+        if (state->t >= swivel_phases_released_at(swivel, now)) {
+            now->phase = swivel_phases_frictionless(swivel) ? SLIP : STICK;
             now->sign = 1;
             changed = true;
         }
@@ -58,8 +58,8 @@ void release_swivels(Simulator *sim, State *state) {
 
 double next_release(const Scene *scene, const State *state) {
     const Swivel *swivels = scene->swivels;
-    return fmin(released_at(&swivels[LEFT], &state->swivels[LEFT]),
-                released_at(&swivels[RIGHT], &state->swivels[RIGHT]));
+    return fmin(swivel_phases_released_at(&swivels[LEFT], &state->swivels[LEFT]),
+                swivel_phases_released_at(&swivels[RIGHT], &state->swivels[RIGHT]));
 }
 
 typedef struct {
@@ -81,14 +81,14 @@ Switching switching_step(Simulator *sim, State *state, StepResult *trial) {
     if (at_end < 0) return STAYS;
     const NodalArrays nodal = state_arrays(state);
     /* Keep iterations for the step to the event and the next one. */
-    EventSearch search = {sim, state, 0, sim->newton_limit - state->counts.newton - 2 * STEP_ITERATIONS};
+    EventSearch search = {sim, state, 0, sim->newton_limit - state->counts.newton - 2 * NEWTON_STEP_ITERATIONS};
     if (search.allowed <= 0) { /* switch at the end of the step */
         state->counts.given_up += 1;
         return SWITCHES;
     }
     double at_start = excess(&sim->scene, state, state->t, &nodal);
-    if (at_start >= 0) at_start = JUST_BEFORE;
-    const double h = locate(excess_after, &search, 0, trial->t - state->t, at_start, at_end, EVENT_WIDTH);
+    if (at_start >= 0) at_start = SWIVEL_PHASES_JUST_BEFORE;
+    const double h = locate(excess_after, &search, 0, trial->t - state->t, at_start, at_end, SWIVEL_PHASES_EVENT_WIDTH);
     *trial = compute_trial(sim, state, h);
     state->counts.newton += search.iterations + trial->newton.iterations;
     state->counts.given_up += search.iterations >= search.allowed;
@@ -169,5 +169,5 @@ void set_phases(Simulator *sim, State *state, const Phases *phases) {
 
 bool chatters(const State *state) {
     return state->switched == CHATTER_EVENTS &&
-           state->switchings[0] - state->switchings[CHATTER_EVENTS - 1] < CHATTER_TIME;
+           state->switchings[0] - state->switchings[CHATTER_EVENTS - 1] < SWIVEL_PHASES_CHATTER_TIME;
 }

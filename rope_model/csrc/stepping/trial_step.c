@@ -37,7 +37,7 @@ static void load_on(const Scene *scene, const Chain *chain, State *state, const 
         const double *q = end_row(nodal.q, nodal.nodes, side);
         const double *R = end_row(nodal.reaction, nodal.nodes, side);
         double one[6];
-        end_load(q, R, ends_moment(scene, state, &nodal, side), one);
+        audit_end_load(q, R, ends_moment(scene, state, &nodal, side), one);
         for (int k = 0; k < 6; k++) load[k] += one[k];
         load[AUDIT_END_LOADS + side] = R[1];
     }
@@ -80,7 +80,7 @@ static void audit_step(const Simulator *sim, State *state, const System *sys, do
         step.force = fmax(step.force, fabs(now));
         step.force_change = fmax(step.force_change, fabs(now - before[side]));
     }
-    step.axial_share = axial_share(&scene->rope, bottom_arc_length(scene, state->paths, state->t), h);
+    step.axial_share = audit_axial_share(&scene->rope, bottom_arc_length(scene, state->paths, state->t), h);
     state->audit = audit_after_step(&state->audit, &method, &step);
 }
 
@@ -91,7 +91,7 @@ static double largest_bend(const NodalArrays *nodal) {
         const double *d = nodal->q + (size_t)k * DOF + SLOPE;
         const double *next = d + DOF;
         const double change[3] = {next[0] - d[0], next[1] - d[1], next[2] - d[2]};
-        largest = fmax(largest, dot(change, change));
+        largest = fmax(largest, elementary_dot(change, change));
     }
     return largest;
 }
@@ -106,7 +106,7 @@ void audit_interval(const Simulator *sim, State *state, double h, double residua
     AuditedInterval interval = {.h = h};
     chain_of(sim, state)->momentum(&sys, nodal.q, nodal.v, interval.sums);
     for (int k = 0; k < 3; k++) interval.middle[k] = 0.5 * (left[k] + right[k]);
-    interval.residual = energy_residual(&state->energy_balance) - residual_before;
+    interval.residual = energy_balance_residual(&state->energy_balance) - residual_before;
     interval.bend = largest_bend(&nodal);
     state->audit =
         audit_after_interval(&state->audit, &interval, rope->mass_per_length * rope->length, sim->scene.layout.gravity);
@@ -117,7 +117,7 @@ static double relative_error(const Scene *scene, State *state, const StepResult 
     const NodalArrays old = state_arrays(state);
     const Coefficients method = {scene->solver.rho_inf};
     const StepLimits limits = step_limits(scene, &state->errors, bottom_arc_length(scene, state->paths, state->t),
-                                          relative_end_speed(&old), local_error(&method, 1, 1));
+                                          relative_end_speed(&old), generalized_alpha_local_error(&method, 1, 1));
     const double strain = fmax(fabs(result->strains[LEFT]), fabs(result->strains[RIGHT]));
     return step_error(&limits, result->h, result->error, strain);
 }
@@ -151,7 +151,7 @@ void rope_powers(const Scene *scene, State *state) {
         const double moment = ends_moment(scene, state, &nodal, side);
         double spin = v[ANGLE];
         for (int k = 0; k < 3; k++) state->power_ends += R[k] * v[k];
-        if (scene->swivels[side].attachment == CLAMPED) state->power_ends += dot(R + SLOPE, v + SLOPE);
+        if (scene->swivels[side].attachment == CLAMPED) state->power_ends += elementary_dot(R + SLOPE, v + SLOPE);
         if (state->swivels[side].phase == SLIP) {
             double relative[2];
             ends_relative(state, side, state->t, 0, spin, relative);
@@ -163,26 +163,26 @@ void rope_powers(const Scene *scene, State *state) {
 }
 
 /* Set the energies from sums over the elements.  The inertia of the swivels adds to the kinetic energy. */
-static void set_energies(EnergyBalance *energy_balance, const double balance[BALANCE], const System *sys,
+static void set_energies(EnergyBalance *energy_balance, const double balance[ENERGIES], const System *sys,
                          const double *q, const double *v) {
-    double sums[BALANCE], contact[CONTACT_BALANCE];
+    double sums[ENERGIES], contact[CONTACT_BALANCE];
     memcpy(sums, balance, sizeof sums);
     for (int side = LEFT; side <= RIGHT; side++) {
         const double rate = end_row(v, sys->elements + 1, side)[ANGLE];
         sums[KINETIC] += 0.5 * sys->inertia[side] * rate * rate;
     }
     external_sums(sys, q, v, contact);
-    *energy_balance = with_energies(energy_balance, sums, contact[CONTACT_ENERGY]);
+    *energy_balance = energy_balance_with_energies(energy_balance, sums, contact[CONTACT_ENERGY]);
 }
 
 double rope_energies(Simulator *sim, State *state) {
     const NodalArrays nodal = state_arrays(state);
     const System sys = rope_system(sim, state);
-    const double before = energy_total(&state->energy_balance);
-    double balance[BALANCE];
+    const double before = energy_balance_total(&state->energy_balance);
+    double balance[ENERGIES];
     chain_of(sim, state)->evaluate(&sys, nodal.q, nodal.v, nodal.a, nodal.reaction, NULL, balance);
     set_energies(&state->energy_balance, balance, &sys, nodal.q, nodal.v);
-    return energy_total(&state->energy_balance) - before;
+    return energy_balance_total(&state->energy_balance) - before;
 }
 
 double largest_end_force(const NodalArrays *nodal) {
@@ -268,11 +268,12 @@ void commit_trial(Simulator *sim, State *state, const StepResult *trial) {
     take_motion(sim, state, trial);
     sys.time = state->t;
     step.force = largest_end_force(&nodal);
-    state->errors = add_errors(scene, &state->errors, &step, local_error(&method, 1, 1));
+    state->errors = add_errors(scene, &state->errors, &step, generalized_alpha_local_error(&method, 1, 1));
     rope_powers(scene, state);
     const Powers powers_after = powers_of(state);
     if (!trial->near) sys.obstacles = NULL;
     set_energies(&state->energy_balance, trial->balance, &sys, nodal.q, nodal.v);
-    state->energy_balance = account_of_step(&state->energy_balance, h, &powers_before, &powers_after, &losses);
+    state->energy_balance =
+        energy_balance_after_step(&state->energy_balance, h, &powers_before, &powers_after, &losses);
     audit_step(sim, state, &sys, h, time_shift, reactions);
 }

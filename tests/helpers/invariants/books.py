@@ -10,7 +10,7 @@ from invariants.case import Array, Case
 from invariants.features import Draws
 from invariants.runs import FORCES, MOMENTS, Compared, Record, Refused, start, wind
 from rope_model import BalanceRope
-from rope_model.method.audit import MIN_INTERVAL, MISSING_FORCE
+from rope_model.method.audit import JUDGED_INTERVAL, MISSING_FORCE
 from rope_model.physics.hermite import GAUSS, interpolate
 
 #: of the largest end force in a step, beside what the audit has: rounding of the sums
@@ -85,7 +85,7 @@ def momentum(case: Case, draws: Draws) -> Iterator[Compared]:
     if last:
         # fy_mean is the audited impulse; the audit takes short steps together
         audited = record.unbalanced
-        joined = np.maximum(1.0, MIN_INTERVAL / h)
+        joined = np.maximum(1.0, JUDGED_INTERVAL / h)
         unreported = audited
         if "missing_loads" in record.rope.warnings():
             unreported = 0.0
