@@ -1,7 +1,7 @@
-"""Model of the Python flavour: the functions of model.h for native/python_model.c, over ReferenceRope.
+"""Model of the Python flavour: the functions of model.h for python_model.c, over ReferenceRope.
 
-The FMI functions, and all rules about values, modes and states, are those of the native flavour
-(native/fmi2.c and native/component.c).  This class converts entries to scene and end motions, and
+The FMI functions, and all rules about values, modes and states, are those of both flavours
+(fmu_src/shell).  This class converts entries to scene and end motions, and
 signals to outputs.  Entries are finite numbers, choices in range.  A method that returns False
 leaves the rope unchanged, with the reason in ``message``.
 

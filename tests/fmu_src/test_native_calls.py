@@ -13,7 +13,7 @@ from fmpy.fmi2 import defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLogge
 from native_host import ERROR, OK, H, Host
 from shared import Unpacked
 
-from fmu_src.native.export import HEADERS
+from fmu_src.shell.sources import HEADERS
 
 NATIVE = HEADERS.parent
 

@@ -10,8 +10,8 @@ import struct
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from fmu_src.native.build import binaries
-from fmu_src.native.mach_o import parts, with_page_hashes
+from fmu_src.shell.build import binaries
+from fmu_src.shell.mach_o import parts, with_page_hashes
 from rope_model.texts import c_string
 
 MAGIC = b"FMU start values"
