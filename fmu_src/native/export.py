@@ -24,7 +24,7 @@ from fmu_src.model_description import (
 )
 from fmu_src.native.places import c_places
 from fmu_src.native.prefix import checked_identifier, with_prefix
-from fmu_src.profile import Form, Profile, arrays, in_reading_order, scalars
+from fmu_src.profile import Grouping, Profile, arrays, in_reading_order, scalars
 from fmu_src.shell.build import choose_platforms
 from fmu_src.shell.sources import HEADERS, joined, model_sources, texts
 from fmu_src.shell.start import Start, binaries_with, c_start
@@ -69,7 +69,7 @@ def export_native(
             table,
             described,
             sources=joined(rope, shell_sources(table, fmi)),
-            form=arrays if fmi == 3 and profile.arrays else scalars,
+            grouping=arrays if fmi == 3 and profile.arrays else scalars,
         ),
         key=f"{case} {level} {fmi} {sorted(start.items())} {profile} {identifier}",
         fmi=fmi,
@@ -192,7 +192,7 @@ class Content(NamedTuple):
     table: Sequence[Variable]  # of the compiled model
     described: Mapping[int, Variable]  # of the FMU, by value reference
     sources: Mapping[str, str]  # without start.c
-    form: Form = arrays  # in FMI 3.0
+    grouping: Grouping = arrays  # in FMI 3.0
     data: Sequence[float] = ()  # numbers behind the start values
 
 
@@ -214,7 +214,7 @@ def native_files(
         digest.update(f"\0{name}\0{text}".encode())
     token = str(uuid.uuid5(uuid.NAMESPACE_OID, f"balance-rope native {digest.hexdigest()}"))
     values = (*start_values(content.table, fmi), *content.data)
-    start = Start(token, values, arrays=content.form is arrays)
+    start = Start(token, values, arrays=content.grouping is arrays)
     version = importlib.metadata.version("balance-rope")
     written = with_prefix(
         {**sources, "start.c": c_start(start)}, checked_identifier(identifier), fmi
@@ -225,7 +225,7 @@ def native_files(
     if fmi == 2:
         root = model_description(content.described, build)
     else:
-        root = model_description3(content.form(content.described), len(content.table), build)
+        root = model_description3(content.grouping(content.described), len(content.table), build)
     return {
         "modelDescription.xml": xml_bytes(root),
         **{f"sources/{_place(name)}": text.encode() for name, text in written.items()},
