@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import fields
 
-from fmu_src.interface import MOTION, Variable
+from fmu_src.interface import INPUTS_AT_STEP_END, MOTION, Variable
 from fmu_src.shell.table import c_array
 from rope_model.boundary.end_paths import EndMotion
 from rope_model.shaft_parameters import PARTS
@@ -57,14 +57,12 @@ _NO_LOAD = -1  #: Place among LOADS of a variable that is none.
 def _home(v: Variable) -> tuple[str, str]:
     """Return the kind of place where a variable lives in the rope, and its offset there."""
     group, _, field = v.name.rpartition(".")
-    if v.name == "inputs_at_step_end":
-        return "AT_STEP_END", "0"
     if v.name in _TEXTS:
         return _TEXTS[v.name], "0"
     if v.name in SIGNALS:
         return "SIGNAL", str(list(SIGNALS).index(v.name))
-    # outputs of the component
-    if v.causality == "output":
+    # those of the component
+    if v.causality == "output" or v.name == INPUTS_AT_STEP_END:
         return "NOWHERE", "0"
     if v.causality == "input":
         return f"{group.upper()}_MOTION", str(_MOTIONS.index(field))

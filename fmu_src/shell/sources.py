@@ -8,13 +8,19 @@ from fmu_src.shell.table import c_table
 
 _HERE = Path(__file__).resolve().parent
 HEADERS = _HERE / "headers"  #: Headers of FMI 2.0.5 and 3.0.2, of the Modelica Association.
-_COMMON = ("component.c", "component.h", "model.h", "shell.inc", "snapshot.c", "snapshot.h")
+_STANDARDS = ("fmi2.c", "fmi3.c")
+_TEXT = ("text.c", "text.h")  #: Files of the rope that serve every model.
 
 
 def shell_files(fmi: int) -> dict[str, str]:
     """Return the written C files between the FMI functions and model.h by name."""
-    headers = sorted(HEADERS.glob(f"fmi{fmi}*.h"))
-    return texts([*(_HERE / name for name in (*_COMMON, f"fmi{fmi}.c")), *headers])
+    from rope_model.codegen.build import written
+
+    files = [path for path in _HERE.iterdir() if path.suffix in (".c", ".h", ".inc")]
+    common = [path for path in files if path.name not in _STANDARDS]
+    text = [path for path in written() if path.name in _TEXT]
+    headers = HEADERS.glob(f"fmi{fmi}*.h")
+    return texts(sorted([*common, _HERE / f"fmi{fmi}.c", *text, *headers]))
 
 
 def texts(files: Sequence[Path]) -> dict[str, str]:
@@ -28,8 +34,12 @@ def model_sources(table: Sequence[Variable], model: Mapping[str, str], fmi: int)
 
 
 def joined(model: Mapping[str, str], between: Mapping[str, str]) -> dict[str, str]:
-    """Return the C files of a model and those ``between`` it and FMI; ValueError if they share a name."""
-    if both := model.keys() & between.keys():
+    """Return the C files of a model and those ``between`` it and FMI.
+
+    Raises ValueError for two files of one name with different texts.
+    """
+    both = {name for name in model.keys() & between.keys() if model[name] != between[name]}
+    if both:
         raise ValueError(
             f"two C files are called {min(both)}, the model's and that between it and FMI: rename the model's"
         )

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
-from fmu_src.interface import RATES, Variable
+from fmu_src.interface import ACCURACY, INPUTS_AT_STEP_END, RATES, Variable
 from fmu_src.profile import arrays, scalars
 from rope_model.scene_names import Value, choices_of
 from rope_model.texts import c_string
@@ -26,8 +26,13 @@ def c_table(table: Sequence[Variable], fmi: int) -> str:
             '{"time", NULL, 0, 1, 0, '
             "KIND_REAL, CAUSALITY_INDEPENDENT, VARIABILITY_CONTINUOUS, FROM_TIME}"
         )
-    scalars = f"const size_t MODEL_SCALARS = {len(rows)};"
-    return "\n".join([_HEAD, scalars, c_array("const Variable MODEL_VARIABLES[]", rows)])
+    indices = {
+        "MODEL_SCALARS": len(rows),
+        "MODEL_ACCURACY": index.get(ACCURACY, len(rows)),
+        "MODEL_AT_STEP_END": index.get(INPUTS_AT_STEP_END, len(rows)),
+    }
+    numbers = [f"const size_t {name} = {number};" for name, number in indices.items()]
+    return "\n".join([_HEAD, *numbers, c_array("const Variable MODEL_VARIABLES[]", rows)])
 
 
 def lengths(table: Sequence[Variable], fmi: int) -> list[int]:

@@ -103,10 +103,6 @@ bool model_has_events(void) {
     return false;
 }
 
-const char *model_accuracy(void) {
-    return NULL;
-}
-
 bool model_open(const char *resources, char *message) {
     (void)resources, (void)message; /* all is in this library */
     return true;
@@ -335,8 +331,10 @@ bool model_retune(ModelInstance *model, const double *values, char *message) {
     return read_parameters(model->parameters, values, message);
 }
 
-double model_time(const ModelInstance *model) {
-    return model->state.t;
+bool model_time(const ModelInstance *model, double *t, char *message) {
+    (void)message;
+    *t = model->state.t;
+    return true;
 }
 
 bool model_output(ModelInstance *model, size_t scalar, double *value, char *message) {
@@ -365,9 +363,11 @@ bool model_text(ModelInstance *model, size_t scalar, const char **text, char *me
     return true;
 }
 
-void model_note(const ModelInstance *model, char *message) {
-    write_message(message, "drive: %d states, internal steps of at most %.3g s", DRIVE_STATES,
+bool model_note(const ModelInstance *model, char *note, char *message) {
+    (void)message;
+    write_message(note, "drive: %d states, internal steps of at most %.3g s", DRIVE_STATES,
                   model->parameters[DRIVE_STEP_MAX]);
+    return true;
 }
 
 bool model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t count,
@@ -377,12 +377,16 @@ bool model_derivative(ModelInstance *model, size_t known, double seed, const uns
     return false;
 }
 
-size_t model_state_bytes(const ModelInstance *model) {
-    return sizeof model->state;
+bool model_state_bytes(const ModelInstance *model, size_t *bytes, char *message) {
+    (void)message;
+    *bytes = sizeof model->state;
+    return true;
 }
 
-void model_save(const ModelInstance *model, void *to) {
-    memcpy(to, &model->state, sizeof model->state);
+bool model_save(const ModelInstance *model, void *to, size_t bytes, char *message) {
+    (void)message;
+    memcpy(to, &model->state, bytes);
+    return true;
 }
 
 bool model_restore(ModelInstance *model, const void *from, size_t bytes, char *message) {

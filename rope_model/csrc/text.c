@@ -2,7 +2,6 @@
 
 #include <math.h>
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,4 +50,21 @@ const char *text_exact(char buffer[NUMBER], double x) {
         snprintf(buffer, NUMBER, "%.*f", decimals > 1 ? decimals : 1, x);
     }
     return with_point(buffer);
+}
+
+const char *text_short(char buffer[NUMBER], double x) {
+    text_exact(buffer, x);
+    char *point = strchr(buffer, '.');
+    if (point && !strcmp(point, ".0")) *point = '\0';
+    return buffer;
+}
+
+void copy_text(char *to, size_t room, const char *from) {
+    size_t length = strlen(from);
+    if (length >= room) {
+        length = room - 1;
+        while (length && ((unsigned char)from[length] & 0xC0) == 0x80) length--; /* a character's later bytes */
+    }
+    memcpy(to, from, length);
+    to[length] = '\0';
 }

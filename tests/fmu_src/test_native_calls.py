@@ -253,6 +253,16 @@ def test_times_that_lose_digits_are_warned_of_once(host: Host) -> None:
     host.call("Reset")
 
 
+def test_numbers_in_messages_are_the_shortest_that_read_back(host: Host) -> None:
+    """Below a power of two the nearest short text belongs to another number."""
+    host.start()
+    assert "communication step -5.684341886080802e-14 s is" in host.step(0.0, -(2.0**-44))
+    host.call("Reset")
+    host.start()
+    assert "communication step -1 s is" in host.step(0.0, -1.0)
+    host.call("Reset")
+
+
 def test_accelerations_follow_where_only_first_derivatives_are_given(host: Host) -> None:
     """The cubic through places and speeds of two steps has the acceleration of a motion of third degree."""
     if host.fmi == 3:
