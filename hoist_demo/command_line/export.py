@@ -74,7 +74,11 @@ def add_export(export: argparse.ArgumentParser) -> None:
 
 def _add_kinds(export: argparse.ArgumentParser) -> None:
     """Add the options on flavour, version of FMI and platforms."""
-    export.add_argument("--python", action="store_true", help="the Python flavour")
+    export.add_argument(
+        "--python",
+        action="store_true",
+        help="the Python flavour, with fewer outputs: docs/reference/variables.md lists them",
+    )
     export.add_argument(
         "--native",
         action="store_true",
