@@ -176,7 +176,8 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
         (nvr && !component_nonnull(i->component, order)))
         return fmi2Error;
     for (size_t k = 0; k < nvr; k++) {
-        size_t first, length;
+        size_t first;
+        size_t length;
         if (!component_find(i->component, vr[k], KIND_REAL, &first, &length) ||
             !component_set_rate(i->component, first, order[k], value[k]))
             return fmi2Error;

@@ -43,7 +43,12 @@ static Motion reference(const ModelInstance *model, double t) {
     int k = (int)model->data[DRIVE_DATA_SEGMENTS] - 1;
     while (k >= 0 && t < trip[5 * k]) k--;
     if (k < 0) return (Motion){0.0, 0.0, 0.0};
-    const double *at = trip + 5 * k, dt = t - at[0], s = at[1], v = at[2], a = at[3], j = at[4];
+    const double *at = trip + 5 * k;
+    const double dt = t - at[0];
+    const double s = at[1];
+    const double v = at[2];
+    const double a = at[3];
+    const double j = at[4];
     return (Motion){s + dt * (v + dt * (a / 2.0 + dt * j / 6.0)), v + dt * (a + dt * j / 2.0), a + dt * j};
 }
 
@@ -129,12 +134,14 @@ void model_destroy(ModelInstance *model) {
 /* Sum the forces of all balance ropes into the plant input: of each rope left.fy_mean, right.fy_mean, then fx, fz and
    my of either side. */
 static void add_up(ModelInstance *model, State *s, const double *values) {
-    double *sum = s->u + 1, moment;
+    double *sum = s->u + 1;
+    double moment;
     memset(sum, 0, (DRIVE_INPUTS - 1) * sizeof *sum);
     for (int rope = 0; rope < ropes(model); rope++) {
         const double *force = values + DRIVE_FORCE + DRIVE_FORCES_OF_ROPE * rope;
         for (int side = 0; side < 2; side++) {
-            const double fy = force[side], *lateral = force + 2 + 3 * side;
+            const double fy = force[side];
+            const double *lateral = force + 2 + 3 * side;
             double *sides = sum + 3 + 3 * side;
             model->arg[0] = place(model, rope, side);
             model->arg[1] = s->x + DRIVE_YAW[side];

@@ -15,9 +15,9 @@ static bool not_finite(char *buffer, double x) {
 
 /* Put a point for the decimal separator, of one or more bytes, of the host's locale. */
 static const char *with_point(char *buffer) {
-    char *at = buffer + strspn(buffer, "+-0123456789eE."), *rest;
+    char *at = buffer + strspn(buffer, "+-0123456789eE.");
     if (!*at) return buffer;
-    rest = at + 1 + strcspn(at + 1, "0123456789eE");
+    const char *rest = at + 1 + strcspn(at + 1, "0123456789eE");
     *at = '.';
     memmove(at + 1, rest, strlen(rest) + 1);
     return buffer;
@@ -40,11 +40,11 @@ static bool reads_back(char *buffer, double x) {
 }
 
 const char *text_exact(char buffer[NUMBER], double x) {
-    int decimals = 0, exponent;
+    int decimals = 0;
     if (not_finite(buffer, x)) return buffer;
     do snprintf(buffer, NUMBER, "%.*e", decimals, x);
     while (!reads_back(buffer, x) && ++decimals < 17);
-    exponent = atoi(strchr(buffer, 'e') + 1);
+    const int exponent = atoi(strchr(buffer, 'e') + 1);
     if (exponent >= -4 && exponent < 16) {
         decimals = decimals - exponent;
         snprintf(buffer, NUMBER, "%.*f", decimals > 1 ? decimals : 1, x);
