@@ -192,7 +192,7 @@ static bool set_up(Component *c) {
     return false;
 }
 
-bool component_has_model(Component *c) {
+bool component_provide_model(Component *c) {
     if (c->mode == INITIALIZATION && c->changed) return set_up(c);
     if (c->model) return true;
     return c->valid ? component_error(c, "there are no results before initialisation")
@@ -200,7 +200,7 @@ bool component_has_model(Component *c) {
 }
 
 bool component_exit_initialization(Component *c) {
-    if (!component_has_model(c)) {
+    if (!component_provide_model(c)) {
         c->mode = FAILED;
         return false;
     }

@@ -47,6 +47,6 @@ size_t array_bytes(void);
 /* Return the bytes of all arrays of Scalars. */
 size_t scalars_bytes(void);
 /* Provide the model.  During initialisation it is set up anew after each change of an entry. */
-bool component_has_model(Component *c);
+bool component_provide_model(Component *c);
 
 #endif

@@ -128,11 +128,13 @@ static bool header_plausible(const StateHeader *header) {
     return header->valid || header->status[0] != '\0';
 }
 
-/* Write the reason why a component cannot have these entries; "" if it can. */
-static void check_entries(const double *entries, char reason[MESSAGE_BYTES]) {
-    reason[0] = '\0';
-    for (size_t i = 0; i < MODEL_SCALARS && !reason[0]; i++)
-        if (MODEL_VARIABLES[i].source == FROM_ENTRY) check_entry(&MODEL_VARIABLES[i], entries[i], reason);
+/* True if a component can have these entries; else the reason is written. */
+static bool entries_fit(const double *entries, char reason[MESSAGE_BYTES]) {
+    for (size_t i = 0; i < MODEL_SCALARS; i++) {
+        const Variable *variable = &MODEL_VARIABLES[i];
+        if (variable->source == FROM_ENTRY && !entry_fits(variable, entries[i], reason)) return false;
+    }
+    return true;
 }
 
 bool component_is_state(Component *c, const void *from, size_t bytes) {
@@ -148,9 +150,8 @@ bool component_is_state(Component *c, const void *from, size_t bytes) {
         return component_error(c, "these %s bytes are a damaged state: length or checksum do not fit; save it anew",
                                SHORT((double)bytes));
     if (!header_plausible(header)) return component_error(c, "the state contradicts itself; save it anew");
-    check_entries(saved_entries(header), reason);
-    if (!reason[0]) check_entries(saved_used(header), reason);
-    return !reason[0] || component_error(c, "the state contradicts itself: %s", reason);
+    if (entries_fit(saved_entries(header), reason) && entries_fit(saved_used(header), reason)) return true;
+    return component_error(c, "the state contradicts itself: %s", reason);
 }
 
 static bool same_fixed(const double *a, const double *b) {

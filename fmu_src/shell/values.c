@@ -30,7 +30,8 @@ bool component_get(Component *c, size_t scalar, double *value) {
     if (variable->source == FROM_STATUS_VALID) *value = c->valid;
     if (variable->source == FROM_TIME) *value = component_time(c);
     if (variable->source != FROM_MODEL) return true;
-    if (component_has_model(c) && (model_output(c->model, scalar, value, reason) || component_error(c, "%s", reason))) {
+    if (component_provide_model(c) &&
+        (model_output(c->model, scalar, value, reason) || component_error(c, "%s", reason))) {
         if (variable->kind == KIND_INTEGER) *value = fmin(*value, INT32_MAX); /* counters grow without bound */
         return true;
     }
@@ -42,22 +43,27 @@ bool component_get_text(Component *c, size_t scalar, const char **text) {
     char reason[MESSAGE_BYTES] = "";
     *text = MODEL_VARIABLES[scalar].source == FROM_STATUS_MESSAGE ? c->status : "";
     if (MODEL_VARIABLES[scalar].source == FROM_STATUS_MESSAGE) return true;
-    return component_has_model(c) && (model_text(c->model, scalar, text, reason) || component_error(c, "%s", reason));
+    return component_provide_model(c) &&
+           (model_text(c->model, scalar, text, reason) || component_error(c, "%s", reason));
 }
 
-void check_entry(const Variable *variable, double value, char reason[MESSAGE_BYTES]) {
-    reason[0] = '\0';
+bool entry_fits(const Variable *variable, double value, char reason[MESSAGE_BYTES]) {
+    const bool whole = value >= INT32_MIN && value <= INT32_MAX && value == floor(value);
+    const bool chosen = value >= 0.0 && value < variable->count;
     if (!isfinite(value) && variable->causality == CAUSALITY_INPUT)
         write_message(reason, "input %s = %s is not finite; check the signal connected to it", variable->name,
                       SHORT(value));
     else if (!isfinite(value))
         write_message(reason, "%s = %s is out of range: it must be finite; give a number", variable->name,
                       SHORT(value));
-    else if (variable->choices && !(value >= 0.0 && value < variable->count))
+    else if (variable->choices && !chosen)
         write_message(reason, "%s = %s is none of the choices: %s", variable->name, SHORT(value), variable->choices);
-    else if (variable->kind != KIND_REAL && !(fabs(value) <= 2147483648.0 && value == floor(value)))
+    else if (variable->kind != KIND_REAL && !whole)
         write_message(reason, "%s = %s is out of range: it must be a whole number of 32 bits; give a smaller one",
                       variable->name, SHORT(value));
+    else
+        return true;
+    return false;
 }
 
 static const char *value_text(char buffer[NUMBER], const Variable *variable, double value) {
@@ -78,8 +84,7 @@ static bool enter(Component *c, size_t scalar, double value) {
         return component_error(c, "%s is fixed after initialisation; it stays %s; reset the FMU to change it",
                                variable->name, value_text((char[NUMBER]){0}, variable, c->scalars.entries[scalar]));
     }
-    check_entry(variable, value, reason);
-    if (*reason) return component_error(c, "%s", reason);
+    if (!entry_fits(variable, value, reason)) return component_error(c, "%s", reason);
     if (c->started && variable->variability == VARIABILITY_TUNABLE) c->retune = true;
     c->changed |= variable->causality == CAUSALITY_PARAMETER ? PARAMETERS : INPUTS;
     c->scalars.entries[scalar] = value;
@@ -129,7 +134,7 @@ bool component_derivative(Component *c, const unsigned *unknown, size_t unknowns
             return component_error(c, "the seed of %s = %s is not finite; give a number", MODEL_VARIABLES[first].name,
                                    SHORT(seed[i]));
     }
-    if (!component_has_model(c)) return false;
+    if (!component_provide_model(c)) return false;
     for (i = 0; i < knowns; i++)
         if (!model_derivative(c->model, known[i], seed[i], unknown, unknowns, sensitivity, reason))
             return component_error(c, "%s", reason);

@@ -18,7 +18,7 @@ bool component_set(Component *c, size_t scalar, double value);
 bool component_derivative(Component *c, const unsigned *unknown, size_t unknowns, const unsigned *known, size_t knowns,
                           const double *seed, double *sensitivity);
 
-/* Write the reason why an entry cannot have the value; "" if it can. */
-void check_entry(const Variable *variable, double value, char reason[MESSAGE_BYTES]);
+/* True if an entry can have the value; else the reason is written. */
+bool entry_fits(const Variable *variable, double value, char reason[MESSAGE_BYTES]);
 
 #endif

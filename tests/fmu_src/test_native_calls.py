@@ -3,6 +3,7 @@
 import ctypes
 import math
 import shutil
+import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import Any, NamedTuple
 
 import pytest
 from fmpy.fmi2 import defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
-from native_host import ERROR, OK, H, Host
+from native_host import ERROR, OK, H, Host, reseal
 from shared import Unpacked
 
 from fmu_src.shell.sources import HEADERS
@@ -260,6 +261,16 @@ def test_numbers_in_messages_are_the_shortest_that_read_back(host: Host) -> None
     host.call("Reset")
     host.start()
     assert "communication step -1 s is" in host.step(0.0, -1.0)
+    host.call("Reset")
+
+
+def test_a_state_with_an_integer_of_more_than_32_bits_is_refused(host: Host) -> None:
+    host.start(mesh__elements=12345)
+    data = bytearray(host.write(host.state()))
+    place = data.index(struct.pack("<d", 12345.0))
+    data[place : place + 8] = struct.pack("<d", 2.0**31)
+    assert host.read(reseal(bytes(data)), ctypes.c_void_p()) == ERROR
+    assert "mesh.elements = 2147483648 is out of range" in host.said[-1]
     host.call("Reset")
 
 
