@@ -2,6 +2,7 @@
 
 import ctypes
 import math
+import re
 import shutil
 import struct
 import subprocess
@@ -16,7 +17,7 @@ from shared import Unpacked
 
 from fmu_src.shell.sources import HEADERS
 
-NATIVE = HEADERS.parent
+SHELL = HEADERS.parent
 
 
 class Names(NamedTuple):
@@ -302,7 +303,7 @@ def test_accelerations_follow_where_only_first_derivatives_are_given(host: Host)
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
 def test_builds_that_take_no_notice_of_nan_are_refused() -> None:
-    path = NATIVE / "model.h"
+    path = SHELL / "model.h"
     for flags, words in (
         ([], ""),
         (["-ffast-math"], "compile without -Ofast"),
@@ -389,3 +390,12 @@ def test_messages_have_a_decimal_point_in_every_locale_and_names_whole_character
     )
     host.dll.fmi2FreeInstance(ctypes.c_void_p(instance))
     assert names == [("x" + "ü" * 63).encode()]
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_search_finds_each_function_of_the_standard_where_it_is_defined(fmi: int) -> None:
+    header = (HEADERS / f"fmi{fmi}Functions.h").read_text(encoding="utf-8")
+    declared = set(re.findall(rf"^ *FMI{fmi}_Export \w+ +(fmi\w+);", header, re.MULTILINE))
+    text = (SHELL / f"fmi{fmi}.c").read_text(encoding="utf-8")
+    assert len(declared) > 40
+    assert {name for name in declared if not re.search(rf"\b{name}[(,]", text)} == set()
