@@ -21,8 +21,8 @@ from typing import NamedTuple
 
 from fmu_src.interface import variables
 from fmu_src.native.export import rope_sources, shell_sources
-from fmu_src.native.start import Start, c_start
-from fmu_src.native.table import start_values
+from fmu_src.shell.start import Start, c_start
+from fmu_src.shell.table import start_values
 from rope_model.cases import rope_120
 
 ROOT = Path(__file__).resolve().parent.parent

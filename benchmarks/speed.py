@@ -19,9 +19,9 @@ import numpy as np
 from tqdm import tqdm
 
 from benchmarks.kinematic import ends_at
-from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
 from fmu_src.python.export import export_fmu
+from fmu_src.shell.build import host_platform
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope

@@ -6,8 +6,10 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from fmu_src.documentation import COMPUTED_BY, HEADS, TEXT, TITLES, rows
 from fmu_src.interface import variables
-from fmu_src.profile import ALWAYS, DEFAULT, GROUPS
+from fmu_src.profile import ALWAYS, DEFAULT, GROUPS, group_of
 from rope_model.cases import rope_120
+from rope_model.reference.outputs import NAMES
+from rope_model.signals.signal_table import SIGNALS
 
 #: differing parts of names and descriptions of rows that share a line, and the words for both
 _SHARED = (
@@ -56,7 +58,8 @@ def interface_page() -> str:
     return TEXT.format(
         fidelities=_table(("outputs", "fidelities "), COMPUTED_BY),
         groups=_table(
-            ("group", "holds "), [(f"`{group}`", holds) for group, holds in GROUPS.items()]
+            ("group", "holds", "in the Python flavour "),
+            [(f"`{group}`", holds, in_python(group)) for group, holds in GROUPS.items()],
         ),
         always=" and ".join(f"`{group}`" for group in ALWAYS),
         left_out=" and ".join(f"`{group}`" for group in GROUPS if group not in DEFAULT),
@@ -64,6 +67,26 @@ def interface_page() -> str:
         inputs=_table(HEADS, tables["input"]),
         outputs=_table([head for head in HEADS if head != "start"], without_start),
     )
+
+
+def in_python(group: str) -> str:
+    """Return the outputs of a group that the Python flavour has, in words."""
+    outputs = [name for name in SIGNALS if group_of(name) == group]
+    has = dict.fromkeys(_short(name) for name in outputs if name in NAMES)
+    lacks = dict.fromkeys(_short(name) for name in outputs if name not in NAMES)
+    if not lacks:
+        return "all"
+    if not has:
+        # those of the status that the FMU itself gives
+        return "none" if group not in ALWAYS else "validity, messages, fidelity"
+    if len(has) <= len(lacks):
+        return ", ".join(f"`{name}`" for name in has)
+    return "all but " + ", ".join(f"`{name}`" for name in lacks)
+
+
+def _short(name: str) -> str:
+    """Return the name of an output without its side and its place in an array."""
+    return re.sub(r"^(left|right)\.|\[\d+\]$", "", name)
 
 
 def _table(heads: Sequence[str], lines_of_cells: Iterable[Sequence[str]]) -> str:

@@ -2,8 +2,9 @@
 
 interface             table of the FMI variables; profile selects them, and gathers arrays for FMI 3.0
 model_description     table as XML of FMI 2.0 and 3.0, with units and declared types
-native                FMI functions and rules of values, modes and states in C, for both flavours; the native FMU
-python                FMU of the Python flavour: the reference rope behind them
+shell                 FMI functions and rules of values, modes and states in C, for every model; their compilation
+native                FMU of the native flavour: the rope in C behind the shell
+python                FMU of the Python flavour: the reference rope behind the shell
 attachments           further files of both: documentation, licences, icons, terminals, reference results
 """
 

@@ -19,6 +19,10 @@ from rope_model.signals.signal_table import SIGNALS
 
 Kind = Literal["Real", "Integer", "Boolean", "String"]
 
+#: parameter that has the model's accuracy, in place of the tolerance of FMI
+ACCURACY = "accuracy.end_force"
+#: parameter that is true if the inputs of a step are those at its end
+INPUTS_AT_STEP_END = "inputs_at_step_end"
 #: start values by name that replace those of a case
 NO_CHANGES: Mapping[str, Value] = {}
 
@@ -96,7 +100,7 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
         "false: inputs are the motion at the start of a step, extrapolated (steps up to 20 ms); "
         "true: at its end, for hosts that step the drive first (recommended, any step)"
     )
-    yield Variable("inputs_at_step_end", "parameter", "fixed", "Boolean", "", False, text)
+    yield Variable(INPUTS_AT_STEP_END, "parameter", "fixed", "Boolean", "", False, text)
 
 
 def _inputs(case: RopeCase) -> Iterator[Variable]:

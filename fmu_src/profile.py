@@ -182,5 +182,5 @@ def scalars(described: Mapping[int, Variable]) -> list[Array]:
     return [Array(reference, v.name, v, (v.start,)) for reference, v in described.items()]
 
 
-#: presentation of described variables: ``arrays`` or ``scalars``
-Form = Callable[[Mapping[int, Variable]], list[Array]]
+#: ``arrays`` or ``scalars``
+Grouping = Callable[[Mapping[int, Variable]], list[Array]]

@@ -12,7 +12,7 @@ import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 
-from fmu_src.native.build import PLATFORMS
+from fmu_src.shell.build import PLATFORMS
 
 ROOT = Path(__file__).resolve().parent.parent
 

@@ -12,11 +12,12 @@ from typing import NamedTuple
 
 from fmu_src.interface import variables
 from fmu_src.model_description import MODEL
-from fmu_src.native.build import PLATFORMS, library, open_library
-from fmu_src.native.export import joined, model_sources, rope_sources, shell_sources
-from fmu_src.native.start import without_start
-from fmu_src.native.table import start_values
+from fmu_src.native.export import rope_sources, shell_sources
 from fmu_src.python.export import library_sources
+from fmu_src.shell.build import PLATFORMS, library, open_library
+from fmu_src.shell.sources import joined, model_sources
+from fmu_src.shell.start import without_start
+from fmu_src.shell.table import start_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.drive_fmu.description import drive_model
 from hoist_demo.drive_fmu.description import sources as drive_sources
@@ -75,10 +76,10 @@ def add_prebuilt(root: Path) -> None:
     for name in PLATFORMS:
         rope = prebuilt_file(root / "rope_model" / "csrc", sources(), NAME, name)
         shutil.copyfile(open_library(sources(), NAME, name), rope)
-    (root / "fmu_src" / "native" / "prebuilt").mkdir()
+    (root / "fmu_src" / "shell" / "prebuilt").mkdir()
     for one in libraries():
         for name in PLATFORMS:
-            to = prebuilt_file(root / "fmu_src" / "native", one.sources, one.identifier, name)
+            to = prebuilt_file(root / "fmu_src" / "shell", one.sources, one.identifier, name)
             shutil.copyfile(library(one.sources, one.identifier, name), to)
 
 

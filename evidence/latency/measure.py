@@ -35,8 +35,8 @@ from tqdm import tqdm
 from benchmarks.kinematic import ends_at
 from evidence.ropes import at_rest, moving
 from evidence.tables import Array, Measures, Tables, table
-from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
+from fmu_src.shell.build import host_platform
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene

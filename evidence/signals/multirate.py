@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 
 from evidence.tables import Tables, table
-from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_model, export_native
 from fmu_src.profile import FULL
+from fmu_src.shell.build import host_platform
 from hoist_demo.cases.table import find_case
 from hoist_demo.drive_fmu.description import drive_model
 

@@ -22,19 +22,20 @@ from fmu_src.model_description import (
     model_description,
     model_description3,
 )
-from fmu_src.native.build import choose_platforms
+from fmu_src.native.places import c_places
 from fmu_src.native.prefix import checked_identifier, with_prefix
-from fmu_src.native.start import Start, binaries_with, c_start
-from fmu_src.native.table import c_places, c_table, start_values
-from fmu_src.profile import Form, Profile, arrays, in_reading_order, scalars
+from fmu_src.profile import Grouping, Profile, arrays, in_reading_order, scalars
+from fmu_src.shell.build import choose_platforms
+from fmu_src.shell.sources import HEADERS, joined, model_sources, texts
+from fmu_src.shell.start import Start, binaries_with, c_start
+from fmu_src.shell.table import start_values
 from fmu_src.xml import xml_bytes
 from rope_model.cases import Level
 from rope_model.scene_names import Value
 
 _HERE = Path(__file__).resolve().parent
 HEADERS_IN_FMU = "fmi"  #: Folder of FMI's headers in the sources of an FMU.
-HEADERS = _HERE / "headers"  #: Headers of FMI 2.0.5 and 3.0.2, of the Modelica Association.
-_COMMON = ("component.c", "component.h", "model.h", "shell.inc", "snapshot.c", "snapshot.h")
+_WRITTEN = ("rope_model.c", "rope_table.h")
 
 
 def export_native(
@@ -68,7 +69,7 @@ def export_native(
             table,
             described,
             sources=joined(rope, shell_sources(table, fmi)),
-            form=arrays if fmi == 3 and profile.arrays else scalars,
+            grouping=arrays if fmi == 3 and profile.arrays else scalars,
         ),
         key=f"{case} {level} {fmi} {sorted(start.items())} {profile} {identifier}",
         fmi=fmi,
@@ -95,8 +96,8 @@ def _build_date() -> str:
 
 def shell_sources(table: Sequence[Variable], fmi: int) -> dict[str, str]:
     """Return all sources between rope.h and the FMI functions without start.c."""
-    written = shell(fmi, "rope_model.c", "rope_table.h")
-    return {**written, "variables.c": c_table(table, fmi), "places.c": c_places(table, fmi)}
+    model = texts([_HERE / name for name in _WRITTEN])
+    return model_sources(table, {**model, "places.c": c_places(table, fmi)}, fmi)
 
 
 def rope_sources() -> dict[str, str]:
@@ -191,7 +192,7 @@ class Content(NamedTuple):
     table: Sequence[Variable]  # of the compiled model
     described: Mapping[int, Variable]  # of the FMU, by value reference
     sources: Mapping[str, str]  # without start.c
-    form: Form = arrays  # in FMI 3.0
+    grouping: Grouping = arrays  # in FMI 3.0
     data: Sequence[float] = ()  # numbers behind the start values
 
 
@@ -213,7 +214,7 @@ def native_files(
         digest.update(f"\0{name}\0{text}".encode())
     token = str(uuid.uuid5(uuid.NAMESPACE_OID, f"balance-rope native {digest.hexdigest()}"))
     values = (*start_values(content.table, fmi), *content.data)
-    start = Start(token, values, arrays=content.form is arrays)
+    start = Start(token, values, arrays=content.grouping is arrays)
     version = importlib.metadata.version("balance-rope")
     written = with_prefix(
         {**sources, "start.c": c_start(start)}, checked_identifier(identifier), fmi
@@ -224,7 +225,7 @@ def native_files(
     if fmi == 2:
         root = model_description(content.described, build)
     else:
-        root = model_description3(content.form(content.described), len(content.table), build)
+        root = model_description3(content.grouping(content.described), len(content.table), build)
     return {
         "modelDescription.xml": xml_bytes(root),
         **{f"sources/{_place(name)}": text.encode() for name, text in written.items()},
@@ -242,27 +243,3 @@ def _place(name: str) -> str:
     if (HEADERS / name).exists():
         return f"{HEADERS_IN_FMU}/{name}"
     return name
-
-
-def model_sources(table: Sequence[Variable], model: Mapping[str, str], fmi: int) -> dict[str, str]:
-    """Return the C files ``model`` with all files between model.h and FMI but start.c."""
-    return joined(model, {**shell(fmi), "variables.c": c_table(table, fmi)})
-
-
-def joined(model: Mapping[str, str], between: Mapping[str, str]) -> dict[str, str]:
-    """Return the C files of a model and those ``between`` it and FMI; ValueError if they share a name."""
-    if both := model.keys() & between.keys():
-        raise ValueError(
-            f"two C files are called {min(both)}, the model's and that between it and FMI: rename the model's"
-        )
-    return {**model, **between}
-
-
-def shell(fmi: int, *more: str) -> dict[str, str]:
-    """Return the C files between the FMI functions and model.h by name.
-
-    ``more`` are further files of this folder.
-    """
-    headers = sorted(HEADERS.glob(f"fmi{fmi}*.h"))
-    files = [*(_HERE / name for name in (*_COMMON, f"fmi{fmi}.c", *more)), *headers]
-    return {path.name: path.read_text(encoding="utf-8") for path in files}

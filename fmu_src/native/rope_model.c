@@ -25,8 +25,8 @@ static void read_parameters(ModelInstance *model, const double *values) {
         const Place *place = &ROPE_PLACES[i];
         if (place->where == SCENE_REAL) *(double *)field(&model->scene, place->offset) = values[i];
         if (place->where == SCENE_INTEGER) *(int *)field(&model->scene, place->offset) = (int)values[i];
-        if (place->where == AT_STEP_END) model->at_step_end = values[i] != 0.0;
     }
+    model->at_step_end = values[MODEL_AT_STEP_END] != 0.0;
 }
 
 static void read_motions(const double *values, EndMotion ends[2]) {
@@ -38,16 +38,12 @@ static void read_motions(const double *values, EndMotion ends[2]) {
 /* Return true for an action of the rope that is done, false for one that has failed, with its message. */
 static bool copy_message(const ModelInstance *model, RopeStatus status, char *message) {
     if (status == ROPE_DONE) return true;
-    snprintf(message, MESSAGE_BYTES, "%s", rope_message(model->sim));
+    write_message(message, "%s", rope_message(model->sim));
     return false;
 }
 
 bool model_has_events(void) {
     return true;
-}
-
-const char *model_accuracy(void) {
-    return "accuracy.end_force";
 }
 
 bool model_open(const char *resources, char *message) {
@@ -58,7 +54,7 @@ bool model_open(const char *resources, char *message) {
 ModelInstance *model_create(const double *values, const Allocator *allocator, char *message) {
     ModelInstance *model = allocator->allocate(1, sizeof *model);
     if (!model) {
-        snprintf(message, MESSAGE_BYTES, "no memory for the rope; free other instances first");
+        write_message(message, "no memory for the rope; free other instances first");
         return NULL;
     }
     memset(model, 0, sizeof *model);
@@ -99,8 +95,10 @@ bool model_retune(ModelInstance *model, const double *values, char *message) {
     return false;
 }
 
-double model_time(const ModelInstance *model) {
-    return rope_time(model->sim);
+bool model_time(const ModelInstance *model, double *t, char *message) {
+    (void)message;
+    *t = rope_time(model->sim);
+    return true;
 }
 
 bool model_output(ModelInstance *model, size_t scalar, double *value, char *message) {
@@ -118,7 +116,9 @@ bool model_warning(ModelInstance *model, int index, char *message) {
 
 /* Return all warnings, a line each. */
 static const char *warning(ModelInstance *model) {
-    char text[MESSAGE_BYTES], *end = model->warning, *stop = end + sizeof(model->warning);
+    char text[MESSAGE_BYTES];
+    char *end = model->warning;
+    char *const stop = end + sizeof(model->warning);
     *end = '\0';
     for (int k = 0; model_warning(model, k, text); k++)
         if (*text) end += snprintf(end, (size_t)(stop - end), "%s%s", end > model->warning ? "\n" : "", text);
@@ -135,9 +135,11 @@ bool model_text(ModelInstance *model, size_t scalar, const char **text, char *me
     return true;
 }
 
-void model_note(const ModelInstance *model, char *message) {
-    snprintf(message, MESSAGE_BYTES, "model: %s, %d elements, %s", rope_fidelity(model->sim), rope_elements(model->sim),
-             rope_fidelity_reason(model->sim));
+bool model_note(const ModelInstance *model, char *note, char *message) {
+    (void)message;
+    write_message(note, "model: %s, %d elements, %s", rope_fidelity(model->sim), rope_elements(model->sim),
+                  rope_fidelity_reason(model->sim));
+    return true;
 }
 
 bool model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t count,
@@ -147,9 +149,9 @@ bool model_derivative(ModelInstance *model, size_t known, double seed, const uns
     double force[FORCES];
     for (size_t i = 0; i < count; i++)
         if (ROPE_PLACES[unknown[i]].derivative < 0) {
-            snprintf(message, MESSAGE_BYTES,
-                     "there is no derivative of %s; ask for those of left.fx ... left.mz, right.fx ... right.mz",
-                     MODEL_VARIABLES[unknown[i]].name);
+            write_message(message,
+                          "there is no derivative of %s; ask for those of left.fx ... left.mz, right.fx ... right.mz",
+                          MODEL_VARIABLES[unknown[i]].name);
             return false;
         }
     if (!copy_message(model, rope_load_derivative(model->sim, input, model->at_step_end, force), message)) return false;
@@ -157,12 +159,16 @@ bool model_derivative(ModelInstance *model, size_t known, double seed, const uns
     return true;
 }
 
-size_t model_state_bytes(const ModelInstance *model) {
-    return rope_state_bytes(model->sim);
+bool model_state_bytes(const ModelInstance *model, size_t *bytes, char *message) {
+    (void)message;
+    *bytes = rope_state_bytes(model->sim);
+    return true;
 }
 
-void model_save(const ModelInstance *model, void *to) {
+bool model_save(const ModelInstance *model, void *to, size_t bytes, char *message) {
+    (void)bytes, (void)message; /* the rope writes the bytes that it has counted */
     rope_save(model->sim, to);
+    return true;
 }
 
 bool model_restore(ModelInstance *model, const void *from, size_t bytes, char *message) {

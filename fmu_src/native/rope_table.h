@@ -15,8 +15,7 @@ enum Where {
     SIGNAL,        /* offset: number of the signal */
     FIDELITY_NAME,
     FIDELITY_REASON,
-    WARNING,
-    AT_STEP_END
+    WARNING
 };
 
 typedef struct {

@@ -1,7 +1,8 @@
 """FMU of the Python flavour.
 
-flavour       its variables, its scenes, its description
-slave         the reference rope behind the FMI functions of the native flavour
-own_modules   modules of this project as they travel in the FMU
-export        builds the .fmu, with pythonfmu's builder
+flavour           its variables, its scenes, its description
+python_model.c    a model of the shell whose functions call an object of Python
+slave             the reference rope as that object
+own_modules       modules of this project as they travel in the FMU
+export            builds the .fmu, with pythonfmu's builder
 """

@@ -3,7 +3,7 @@
 The rope is rope_model.reference, the published system.  pythonfmu's builder makes the FMU: it gets the model
 description from the class in slave.py and packs the resources, which are copies of what slave.py imports of rope_model
 and fmu_src (own_modules.py).  Its library is replaced, because it answers all calls but doStep with OK even if they
-fail, and cannot do otherwise.  Ours is the native flavour's, with Python behind it (native/python_model.c).  The
+fail, and cannot do otherwise.  Ours is that of fmu_src/shell, with Python behind it (python_model.c).  The
 importing host needs Python with numpy, scipy and casadi, and nothing else.
 """
 
@@ -24,18 +24,20 @@ from fmu_src.archive import read_archive, write_archive
 from fmu_src.attachments import attachments
 from fmu_src.interface import NO_CHANGES, Variable, case_with, variables
 from fmu_src.model_description import MODEL
-from fmu_src.native.build import choose_platforms
-from fmu_src.native.export import shell
-from fmu_src.native.start import Start, binaries_with
-from fmu_src.native.table import c_table, start_values
 from fmu_src.profile import Profile
 from fmu_src.python import own_modules
 from fmu_src.python.flavour import of_python, require_for_python
 from fmu_src.python.own_modules import ROOT, import_from, modules_needed
+from fmu_src.shell.build import choose_platforms
+from fmu_src.shell.sources import model_sources, texts
+from fmu_src.shell.start import Start, binaries_with
+from fmu_src.shell.table import start_values
 from rope_model.cases import Level
 from rope_model.scene_names import Value
 
 _SLAVE = Path(__file__).with_name("slave.py").resolve()
+#: implements model.h with Python behind it
+_MODEL = Path(__file__).with_name("python_model.c")
 #: package of the builder, which adds a copy of it to the FMU
 _BUILDER = "pythonfmu"
 
@@ -99,7 +101,7 @@ def export_fmu(
 
 def library_sources(table: Sequence[Variable]) -> dict[str, str]:
     """Return the C files of the library without start.c."""
-    return {**shell(2, "python_model.c"), "variables.c": c_table(table, 2)}
+    return model_sources(table, texts([_MODEL]), fmi=2)
 
 
 def _build_facts(case: str, level: Level, key: str) -> dict[str, str]:

@@ -1,7 +1,7 @@
-"""Model of the Python flavour: the functions of model.h for native/python_model.c, over ReferenceRope.
+"""Model of the Python flavour: the functions of model.h for python_model.c, over ReferenceRope.
 
-The FMI functions, and all rules about values, modes and states, are those of the native flavour
-(native/fmi2.c and native/component.c).  This class converts entries to scene and end motions, and
+The FMI functions, and all rules about values, modes and states, are those of both flavours
+(fmu_src/shell).  This class converts entries to scene and end motions, and
 signals to outputs.  Entries are finite numbers, choices in range.  A method that returns False
 leaves the rope unchanged, with the reason in ``message``.
 
@@ -19,7 +19,7 @@ from xml.etree.ElementTree import Element
 
 from pythonfmu import Fmi2Slave
 
-from fmu_src.interface import MOTION, case_with, variables
+from fmu_src.interface import ACCURACY, INPUTS_AT_STEP_END, MOTION, case_with, variables
 from fmu_src.model_description import MODEL, Build, model_description
 from fmu_src.profile import Profile
 from fmu_src.python.flavour import PYTHON_DESCRIPTION, of_python, require_for_python
@@ -88,9 +88,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         pythonfmu's has no units and no initial unknowns.
         """
         build = self._build
-        tolerance = next(
-            float(v.start or 0.0) for v in self._table if v.name == "accuracy.end_force"
-        )
+        tolerance = next(float(v.start or 0.0) for v in self._table if v.name == ACCURACY)
         facts = Build(
             token=build["guid"],
             version=build["version"],
@@ -216,7 +214,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         return float(self._values[self._indices[name]])
 
     def _at_step_end(self) -> bool:
-        return self._value("inputs_at_step_end") != 0.0
+        return self._value(INPUTS_AT_STEP_END) != 0.0
 
 
 def _require(status: Status) -> None:

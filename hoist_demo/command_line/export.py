@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 from fmu_src.model_description import MODEL
-from fmu_src.native.build import (
+from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
+from fmu_src.shell.build import (
     PLATFORMS,
     available_platforms,
     host_platform,
     missing_platforms,
 )
-from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
 from fmu_src.ssp import Datum, Version
 from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
 from hoist_demo.cases.rules import with_values
@@ -74,7 +74,11 @@ def add_export(export: argparse.ArgumentParser) -> None:
 
 def _add_kinds(export: argparse.ArgumentParser) -> None:
     """Add the options on flavour, version of FMI and platforms."""
-    export.add_argument("--python", action="store_true", help="the Python flavour")
+    export.add_argument(
+        "--python",
+        action="store_true",
+        help="the Python flavour, with fewer outputs: docs/reference/variables.md lists them",
+    )
     export.add_argument(
         "--native",
         action="store_true",

@@ -43,7 +43,12 @@ static Motion reference(const ModelInstance *model, double t) {
     int k = (int)model->data[DRIVE_DATA_SEGMENTS] - 1;
     while (k >= 0 && t < trip[5 * k]) k--;
     if (k < 0) return (Motion){0.0, 0.0, 0.0};
-    const double *at = trip + 5 * k, dt = t - at[0], s = at[1], v = at[2], a = at[3], j = at[4];
+    const double *at = trip + 5 * k;
+    const double dt = t - at[0];
+    const double s = at[1];
+    const double v = at[2];
+    const double a = at[3];
+    const double j = at[4];
     return (Motion){s + dt * (v + dt * (a / 2.0 + dt * j / 6.0)), v + dt * (a + dt * j / 2.0), a + dt * j};
 }
 
@@ -103,10 +108,6 @@ bool model_has_events(void) {
     return false;
 }
 
-const char *model_accuracy(void) {
-    return NULL;
-}
-
 bool model_open(const char *resources, char *message) {
     (void)resources, (void)message; /* all is in this library */
     return true;
@@ -133,12 +134,14 @@ void model_destroy(ModelInstance *model) {
 /* Sum the forces of all balance ropes into the plant input: of each rope left.fy_mean, right.fy_mean, then fx, fz and
    my of either side. */
 static void add_up(ModelInstance *model, State *s, const double *values) {
-    double *sum = s->u + 1, moment;
+    double *sum = s->u + 1;
+    double moment;
     memset(sum, 0, (DRIVE_INPUTS - 1) * sizeof *sum);
     for (int rope = 0; rope < ropes(model); rope++) {
         const double *force = values + DRIVE_FORCE + DRIVE_FORCES_OF_ROPE * rope;
         for (int side = 0; side < 2; side++) {
-            const double fy = force[side], *lateral = force + 2 + 3 * side;
+            const double fy = force[side];
+            const double *lateral = force + 2 + 3 * side;
             double *sides = sum + 3 + 3 * side;
             model->arg[0] = place(model, rope, side);
             model->arg[1] = s->x + DRIVE_YAW[side];
@@ -335,8 +338,10 @@ bool model_retune(ModelInstance *model, const double *values, char *message) {
     return read_parameters(model->parameters, values, message);
 }
 
-double model_time(const ModelInstance *model) {
-    return model->state.t;
+bool model_time(const ModelInstance *model, double *t, char *message) {
+    (void)message;
+    *t = model->state.t;
+    return true;
 }
 
 bool model_output(ModelInstance *model, size_t scalar, double *value, char *message) {
@@ -365,9 +370,11 @@ bool model_text(ModelInstance *model, size_t scalar, const char **text, char *me
     return true;
 }
 
-void model_note(const ModelInstance *model, char *message) {
-    write_message(message, "drive: %d states, internal steps of at most %.3g s", DRIVE_STATES,
+bool model_note(const ModelInstance *model, char *note, char *message) {
+    (void)message;
+    write_message(note, "drive: %d states, internal steps of at most %.3g s", DRIVE_STATES,
                   model->parameters[DRIVE_STEP_MAX]);
+    return true;
 }
 
 bool model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t count,
@@ -377,12 +384,16 @@ bool model_derivative(ModelInstance *model, size_t known, double seed, const uns
     return false;
 }
 
-size_t model_state_bytes(const ModelInstance *model) {
-    return sizeof model->state;
+bool model_state_bytes(const ModelInstance *model, size_t *bytes, char *message) {
+    (void)message;
+    *bytes = sizeof model->state;
+    return true;
 }
 
-void model_save(const ModelInstance *model, void *to) {
-    memcpy(to, &model->state, sizeof model->state);
+bool model_save(const ModelInstance *model, void *to, size_t bytes, char *message) {
+    (void)message;
+    memcpy(to, &model->state, bytes);
+    return true;
 }
 
 bool model_restore(ModelInstance *model, const void *from, size_t bytes, char *message) {

@@ -25,9 +25,10 @@ from lark import Lark
 from native_parts import WARNINGS
 
 from fmu_src.interface import variables
-from fmu_src.native.build import PLATFORMS, available_platforms, host_platform
-from fmu_src.native.export import HEADERS, HEADERS_IN_FMU
+from fmu_src.native.export import HEADERS_IN_FMU
 from fmu_src.profile import ALL, ALWAYS, DEFAULT, group_of
+from fmu_src.shell.build import PLATFORMS, available_platforms, host_platform
+from fmu_src.shell.sources import HEADERS
 from hoist_demo.cases.table import find_case
 from hoist_demo.drive_fmu.description import drive_model
 from rope_model.cases import rope_120

@@ -2,7 +2,9 @@
 
 import ctypes
 import math
+import re
 import shutil
+import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -10,12 +12,12 @@ from typing import Any, NamedTuple
 
 import pytest
 from fmpy.fmi2 import defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
-from native_host import ERROR, OK, H, Host
+from native_host import ERROR, OK, H, Host, reseal
 from shared import Unpacked
 
-from fmu_src.native.export import HEADERS
+from fmu_src.shell.sources import HEADERS
 
-NATIVE = HEADERS.parent
+SHELL = HEADERS.parent
 
 
 class Names(NamedTuple):
@@ -253,6 +255,26 @@ def test_times_that_lose_digits_are_warned_of_once(host: Host) -> None:
     host.call("Reset")
 
 
+def test_numbers_in_messages_are_the_shortest_that_read_back(host: Host) -> None:
+    """Below a power of two the nearest short text belongs to another number."""
+    host.start()
+    assert "communication step -5.684341886080802e-14 s is" in host.step(0.0, -(2.0**-44))
+    host.call("Reset")
+    host.start()
+    assert "communication step -1 s is" in host.step(0.0, -1.0)
+    host.call("Reset")
+
+
+def test_a_state_with_an_integer_of_more_than_32_bits_is_refused(host: Host) -> None:
+    host.start(mesh__elements=12345)
+    data = bytearray(host.write(host.state()))
+    place = data.index(struct.pack("<d", 12345.0))
+    data[place : place + 8] = struct.pack("<d", 2.0**31)
+    assert host.read(reseal(bytes(data)), ctypes.c_void_p()) == ERROR
+    assert "mesh.elements = 2147483648 is out of range" in host.said[-1]
+    host.call("Reset")
+
+
 def test_accelerations_follow_where_only_first_derivatives_are_given(host: Host) -> None:
     """The cubic through places and speeds of two steps has the acceleration of a motion of third degree."""
     if host.fmi == 3:
@@ -281,7 +303,7 @@ def test_accelerations_follow_where_only_first_derivatives_are_given(host: Host)
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
 def test_builds_that_take_no_notice_of_nan_are_refused() -> None:
-    path = NATIVE / "model.h"
+    path = SHELL / "model.h"
     for flags, words in (
         ([], ""),
         (["-ffast-math"], "compile without -Ofast"),
@@ -368,3 +390,12 @@ def test_messages_have_a_decimal_point_in_every_locale_and_names_whole_character
     )
     host.dll.fmi2FreeInstance(ctypes.c_void_p(instance))
     assert names == [("x" + "ü" * 63).encode()]
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_search_finds_each_function_of_the_standard_where_it_is_defined(fmi: int) -> None:
+    header = (HEADERS / f"fmi{fmi}Functions.h").read_text(encoding="utf-8")
+    declared = set(re.findall(rf"^ *FMI{fmi}_Export \w+ +(fmi\w+);", header, re.MULTILINE))
+    text = (SHELL / f"fmi{fmi}.c").read_text(encoding="utf-8")
+    assert len(declared) > 40
+    assert {name for name in declared if not re.search(rf"\b{name}[(,]", text)} == set()

@@ -23,8 +23,8 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, rule, run_state_machine_as_test
 from native_host import ERROR, OK, SMALL, Host, reseal
 
-from fmu_src.native.build import available_platforms
-from fmu_src.native.export import HEADERS
+from fmu_src.shell.build import available_platforms
+from fmu_src.shell.sources import HEADERS
 
 if not available_platforms():
     pytest.skip("no compiler builds the native FMU here", allow_module_level=True)

@@ -24,17 +24,17 @@ from stand_in import stand_in
 
 import rope_model
 from fmu_src.interface import variables
-from fmu_src.native import build
-from fmu_src.native.build import (
+from fmu_src.native.export import export_native
+from fmu_src.shell import build
+from fmu_src.shell.build import (
     PLATFORMS,
     available_platforms,
     host_platform,
     library,
     open_library,
 )
-from fmu_src.native.export import export_native
-from fmu_src.native.mach_o import parts, universal, with_page_hashes
-from fmu_src.native.start import MAGIC, Start, c_start, with_start, without_start
+from fmu_src.shell.mach_o import parts, universal, with_page_hashes
+from fmu_src.shell.start import MAGIC, Start, c_start, with_start, without_start
 from hoist_demo.cases.case import Case
 from hoist_demo.command_line.main import main
 from hoist_demo.export.system import HoistFiles, RopeFmu, SystemOptions

@@ -22,9 +22,9 @@ from scenes import fixed_steps, hung, smooth_trip
 from stand_in import RUNNERS, live
 
 from docs.variables import interface_page
-from fmu_src.native.build import PLATFORMS, available_platforms, host_platform
 from fmu_src.native.export import export_native
 from fmu_src.python.export import export_fmu
+from fmu_src.shell.build import PLATFORMS, available_platforms, host_platform
 from hoist_demo.command_line.main import main
 from rope_model import BalanceRope, Scene, Swivel, balance_rope, rope_120
 from rope_model.reference.outputs import NAMES

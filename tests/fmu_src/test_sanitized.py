@@ -44,7 +44,7 @@ WRONG = {
 PROGRAM = """\
 import json
 from pathlib import Path
-from fmu_src.native import build
+from fmu_src.shell import build
 from rope_model import compiler
 build._compiler = compiler.find_compiler
 build._compilable = lambda: {build.host_platform()}

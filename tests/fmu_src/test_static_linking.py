@@ -15,9 +15,10 @@ from exports import FLAVOURS, export_drive
 from native_host import H, Host
 from stand_in import stand_in
 
-from fmu_src.native.build import host_platform
-from fmu_src.native.export import HEADERS, HEADERS_IN_FMU, export_native
+from fmu_src.native.export import HEADERS_IN_FMU, export_native
 from fmu_src.native.prefix import LONGEST_IDENTIFIER, checked_identifier, shared_names, with_prefix
+from fmu_src.shell.build import host_platform
+from fmu_src.shell.sources import HEADERS
 from hoist_demo.command_line.main import main
 
 pytestmark = [

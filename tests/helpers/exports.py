@@ -7,10 +7,10 @@ from pathlib import Path
 
 from stand_in import VERSIONS, stand_in
 
-from fmu_src.native.build import available_platforms, host_platform
 from fmu_src.native.export import export_model, export_native
 from fmu_src.profile import ALL, FULL, Profile
 from fmu_src.python.export import export_fmu
+from fmu_src.shell.build import available_platforms, host_platform
 from hoist_demo.cases.table import find_case
 from hoist_demo.drive_fmu.description import drive_model
 from rope_model.cases import Level

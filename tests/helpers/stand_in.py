@@ -11,8 +11,8 @@ import pytest
 from checkout import NATIVE, ROOT
 from signal_names import of_both_ends
 
-from fmu_src.native.build import PLATFORMS, host_platform
-from fmu_src.native.export import HEADERS
+from fmu_src.shell.build import PLATFORMS, host_platform
+from fmu_src.shell.sources import HEADERS
 from rope_model.codegen.interface_structures import interface_structures
 from rope_model.codegen.tables import parameter_structures, signal_numbers
 

@@ -297,7 +297,7 @@ _CHECKED = """\
 import json, sys
 from dataclasses import replace
 from pathlib import Path
-from fmu_src.native import build
+from fmu_src.shell import build
 from rope_model import compiler as kernels
 for module in (build, kernels):
     module.FLAGS = (*(flag for flag in module.FLAGS if flag != "-O3"), *json.loads(sys.argv[1]))

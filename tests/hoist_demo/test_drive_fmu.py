@@ -24,9 +24,10 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from stand_in import RUNNERS
 
-from fmu_src.native import build
-from fmu_src.native.build import PLATFORMS, host_platform, library
-from fmu_src.native.export import HEADERS, export_model, export_native
+from fmu_src.native.export import export_model, export_native
+from fmu_src.shell import build
+from fmu_src.shell.build import PLATFORMS, host_platform, library
+from fmu_src.shell.sources import HEADERS
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.controller import ControllerState, Measurement, SpeedController

@@ -21,8 +21,8 @@ from fmu_src.archive import read_archive
 from fmu_src.documentation import index_html
 from fmu_src.interface import Variable
 from fmu_src.model_description import Build, model_description, model_description3
-from fmu_src.native.table import c_table
 from fmu_src.profile import scalars
+from fmu_src.shell.table import c_table
 from fmu_src.ssp import System, export_ssp
 from fmu_src.xml import xml_bytes
 from hoist_demo.calibration.definition import MeasurementFile
@@ -123,7 +123,7 @@ def variable(text: str) -> Variable:
 
 @pytest.mark.skipif(find_compiler() is None, reason="needs a C compiler")
 def test_c_compiles_and_holds_the_exact_texts(tmp_path: Path) -> None:
-    shell = ROOT / "fmu_src" / "native"
+    shell = ROOT / "fmu_src" / "shell"
     literals = ",\n".join(f"{{{c_string(text)}, sizeof {c_string(text)} - 1}}" for text in HOSTILE)
     (tmp_path / "variables.c").write_text(
         c_table([variable(text) for text in HOSTILE], 2), encoding="utf-8"

@@ -24,7 +24,7 @@ from rope_groups import rope_in_process, ropes_in
 from systems import COUPLING, STOP, system
 from tools import IMPORTS, INPUTS, environment, require
 
-from fmu_src.native.build import host_platform
+from fmu_src.shell.build import host_platform
 from fmu_src.ssp import Component, Datum, System, export_ssp
 from hoist_demo.cases.case import HOISTS
 from hoist_demo.cases.table import find_case

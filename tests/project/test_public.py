@@ -28,11 +28,11 @@ import hoist_demo
 import rope_model
 from fmu_src.interface import variables
 from fmu_src.model_description import MODEL
-from fmu_src.native.build import PLATFORMS
 from fmu_src.native.export import rope_sources, shell_sources
-from fmu_src.native.start import without_start
-from fmu_src.native.table import start_values
 from fmu_src.reference_run import reference_files
+from fmu_src.shell.build import PLATFORMS
+from fmu_src.shell.start import without_start
+from fmu_src.shell.table import start_values
 from hoist_demo.command_line.main import main
 from release.bill import bill_of_materials
 from release.libraries import libraries
@@ -335,7 +335,7 @@ def test_the_wheel_needs_no_compiler_and_exports_what_a_checkout_does(tmp_path: 
         names = archive.namelist()
     tops = {name.split("/")[0] for name in names if ".dist-info/" not in name}
     assert tops == {*PACKAGES}
-    for one in ("rope_model/csrc/prebuilt/rope", "fmu_src/native/prebuilt/BalanceRope"):
+    for one in ("rope_model/csrc/prebuilt/rope", "fmu_src/shell/prebuilt/BalanceRope"):
         for platform in PLATFORMS:
             assert any(name.startswith(f"{one}-{platform}-") for name in names), (one, platform)
     try_wheel(wheel)

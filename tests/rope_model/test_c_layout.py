@@ -1,4 +1,4 @@
-"""The layout of the engine's C: no cycles, and files that an editor compiles one by one."""
+"""The layout of the C of engine and FMUs: no cycles, and files that an editor compiles one by one."""
 
 import json
 import re
@@ -7,6 +7,7 @@ from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
+from checkout import ROOT
 from native_parts import WARNINGS
 
 import rope_model
@@ -15,7 +16,21 @@ from rope_model.compiler import find_compiler
 
 PACKAGE = Path(rope_model.__file__).parent
 CSRC = PACKAGE / "csrc"
-FILES = {path.name: path for path in sorted(CSRC.rglob("*")) if path.suffix in (".c", ".h", ".inc")}
+
+
+def c_files(*folders: Path) -> dict[str, Path]:
+    paths = [path for folder in folders for path in sorted(folder.rglob("*"))]
+    return {path.name: path for path in paths if path.suffix in (".c", ".h", ".inc")}
+
+
+FILES = c_files(CSRC)
+SHELL = ROOT / "fmu_src" / "shell"
+PROGRAMS = {
+    "engine": FILES,
+    "native FMU": c_files(CSRC, SHELL, ROOT / "fmu_src" / "native"),
+    "Python FMU": c_files(SHELL, ROOT / "fmu_src" / "python"),
+    "drive's FMU": c_files(SHELL, ROOT / "hoist_demo" / "drive_fmu"),
+}
 
 
 def text_of(path: Path) -> str:
@@ -29,21 +44,22 @@ def functions(path: Path) -> list[str]:
     )
 
 
-def test_neither_calls_nor_includes_go_round() -> None:
+@pytest.mark.parametrize("files", PROGRAMS.values(), ids=PROGRAMS)
+def test_neither_calls_nor_includes_go_round(files: dict[str, Path]) -> None:
     home = {}
-    for name, path in FILES.items():
+    for name, path in files.items():
         home |= dict.fromkeys(functions(path), name)
     graph = {}
-    for name, path in FILES.items():
+    for name, path in files.items():
         text = text_of(path)
         calls: list[str] = []
         if path.suffix != ".h":
             calls = re.findall(r"(?<![\w.>])(\w+)\(", text)
         called = {home[f] for f in calls if f in home}
-        graph[name] = (called | set(re.findall(r'#include "(\w+\.\w+)"', text)) & set(FILES)) - {
+        graph[name] = (called | set(re.findall(r'#include "(\w+\.\w+)"', text)) & set(files)) - {
             name
         }
-    assert len(list(TopologicalSorter(graph).static_order())) == len(FILES)
+    assert len(list(TopologicalSorter(graph).static_order())) == len(files)
 
 
 @pytest.mark.parametrize("files", [2, pytest.param(None, marks=pytest.mark.slow)])

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from checkout import QUICK
 
-from fmu_src.native.export import model_sources
+from fmu_src.shell.sources import model_sources
 from rope_model.codegen.build import written
 from rope_model.compiler import find_compiler
 from rope_model.engine import declare

@@ -9,7 +9,7 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 from end_paths import NO_MEASURES, Follower
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from native_parts import compiled, refusal, stale_input_error
 from numpy.testing import assert_allclose
@@ -45,7 +45,8 @@ RELEASED = Swivel(mode="free", release_time=20.0)
 @pytest.fixture(scope="module")
 def native(tmp_path_factory: pytest.TempPathFactory) -> Any:
     library = compiled(tmp_path_factory.mktemp("native"), {})
-    for function in (library.text_number, library.text_exact, library.fidelity_name):
+    texts = (library.text_number, library.text_exact, library.text_short)
+    for function in (*texts, library.fidelity_name):
         function.restype = ct.c_char_p
     return library
 
@@ -77,10 +78,12 @@ coordinates = st.floats(-50.0, 50.0)
 
 
 @given(reals, st.integers(1, 8))
+@example(2.0**-44, 8)  # below a power of two the nearest short text belongs to another number
 def test_numbers_are_written_as_python_writes_them(native: Any, x: float, digits: int) -> None:
     room = ct.create_string_buffer(40)
     assert native.text_number(room, ct.c_double(x), digits).decode() == f"{x:.{digits}g}"
     assert native.text_exact(room, ct.c_double(x)).decode() == repr(x)
+    assert native.text_short(room, ct.c_double(x)).decode() == repr(x).removesuffix(".0")
 
 
 @pytest.mark.parametrize("name", [field.name for field in dataclasses.fields(EndMotion)])

@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,9 +18,8 @@ static bool not_finite(char *buffer, double x) {
 /* Put a point for the decimal separator, of one or more bytes, of the host's locale. */
 static const char *with_point(char *buffer) {
     char *at = buffer + strspn(buffer, "+-0123456789eE.");
-    char *rest;
     if (!*at) return buffer;
-    rest = at + 1 + strcspn(at + 1, "0123456789eE");
+    const char *rest = at + 1 + strcspn(at + 1, "0123456789eE");
     *at = '.';
     memmove(at + 1, rest, strlen(rest) + 1);
     return buffer;
@@ -44,14 +42,31 @@ static bool reads_back(char *buffer, double x) {
 }
 
 const char *text_exact(char buffer[NUMBER], double x) {
-    int decimals = 0, exponent;
+    int decimals = 0;
     if (not_finite(buffer, x)) return buffer;
     do snprintf(buffer, NUMBER, "%.*e", decimals, x);
     while (!reads_back(buffer, x) && ++decimals < 17);
-    exponent = atoi(strchr(buffer, 'e') + 1);
+    const int exponent = atoi(strchr(buffer, 'e') + 1);
     if (exponent >= -4 && exponent < 16) {
         decimals = decimals - exponent;
         snprintf(buffer, NUMBER, "%.*f", decimals > 1 ? decimals : 1, x);
     }
     return with_point(buffer);
+}
+
+const char *text_short(char buffer[NUMBER], double x) {
+    text_exact(buffer, x);
+    char *point = strchr(buffer, '.');
+    if (point && !strcmp(point, ".0")) *point = '\0';
+    return buffer;
+}
+
+void copy_text(char *to, size_t room, const char *from) {
+    size_t length = strlen(from);
+    if (length >= room) {
+        length = room - 1;
+        while (length && ((unsigned char)from[length] & 0xC0) == 0x80) length--; /* a character's later bytes */
+    }
+    memcpy(to, from, length);
+    to[length] = '\0';
 }

@@ -8,7 +8,7 @@ typedef struct Snapshot Snapshot;
 
 /* Refuse NULL, and what is not a snapshot of this FMU or was freed. */
 bool snapshot_check(Component *c, const Snapshot *snapshot);
-/* Save the state; *snapshot is NULL for a new one, or one to overwrite. */
+/* Save the state; *snapshot is NULL for a new one, or one to overwrite.  It stays as it was on failure. */
 bool snapshot_take(Component *c, const Allocator *allocator, Snapshot **snapshot);
 bool snapshot_restore(Component *c, const Snapshot *snapshot);
 void snapshot_free(const Allocator *allocator, Snapshot *snapshot);

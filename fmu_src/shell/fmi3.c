@@ -3,6 +3,7 @@
 #include "component.h"
 #include "fmi3Functions.h"
 #include "snapshot.h"
+#include "values.h"
 
 typedef struct {
     Component *component;
@@ -20,16 +21,16 @@ static void log_message(void *context, Severity severity, const char *message) {
         i->log(i->environment, statuses[severity], log_category(severity), message);
 }
 
-#define FMI(name) fmi3##name
-#define STATE(verb, rest) fmi3##verb##FMUState##rest
-#define DESERIALIZE fmi3DeserializeFMUState
-typedef fmi3Instance Handle;
-typedef fmi3FMUState State;
-typedef fmi3Status Status;
 typedef fmi3Float64 Real;
 typedef fmi3Int32 Integer;
 typedef fmi3Int64 Enumeration;
+typedef fmi3Boolean Boolean;
+typedef fmi3String String;
 #include "shell.inc"
+
+static fmi3Status status(bool ok) {
+    return ok ? fmi3OK : fmi3Error;
+}
 
 /* inquiry, creation and destruction */
 
@@ -67,6 +68,15 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     return NULL;
 }
 
+void fmi3FreeInstance(fmi3Instance instance) {
+    free_instance(instance);
+}
+
+fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories,
+                               const fmi3String categories[]) {
+    return status(set_logging(instance, loggingOn, nCategories, categories));
+}
+
 /* life cycle */
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
@@ -78,6 +88,10 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolera
     component_enter_initialization(i->component);
     if (toleranceDefined) component_tolerance(i->component, tolerance);
     return fmi3OK;
+}
+
+fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
+    return status(exit_initialization(instance, "fmi3ExitInitializationMode"));
 }
 
 fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoint, fmi3Float64 communicationStepSize,
@@ -127,23 +141,65 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
     return fmi3OK;
 }
 
+fmi3Status fmi3Terminate(fmi3Instance instance) {
+    return status(terminate(instance, "fmi3Terminate"));
+}
+
+fmi3Status fmi3Reset(fmi3Instance instance) {
+    return status(reset(instance));
+}
+
 /* values */
 
-#define VARIABLES_OF(Type, kind)                                                                                       \
-    fmi3Status fmi3Get##Type(fmi3Instance instance, const fmi3ValueReference valueReferences[],                        \
-                             size_t nValueReferences, fmi3##Type values[], size_t nValues) {                           \
-        return get(instance, "fmi3Get" #Type, kind, valueReferences, nValueReferences, values, nValues);               \
-    }                                                                                                                  \
-    fmi3Status fmi3Set##Type(fmi3Instance instance, const fmi3ValueReference valueReferences[],                        \
-                             size_t nValueReferences, const fmi3##Type values[], size_t nValues) {                     \
-        return set(instance, "fmi3Set" #Type, kind, valueReferences, nValueReferences, values, nValues);               \
+#define GETTER(name, Type, kind)                                                                                       \
+    fmi3Status name(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,        \
+                    Type values[], size_t nValues) {                                                                   \
+        return status(get(instance, #name, kind, valueReferences, nValueReferences, values, nValues));                 \
+    }
+#define SETTER(name, Type, kind)                                                                                       \
+    fmi3Status name(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,        \
+                    const Type values[], size_t nValues) {                                                             \
+        return status(set(instance, #name, kind, valueReferences, nValueReferences, values, nValues));                 \
     }
 
-VARIABLES_OF(Float64, KIND_REAL)
-VARIABLES_OF(Int32, KIND_INTEGER)
-VARIABLES_OF(Int64, KIND_ENUMERATION)
-VARIABLES_OF(Boolean, KIND_BOOLEAN)
-VARIABLES_OF(String, KIND_STRING)
+GETTER(fmi3GetFloat64, fmi3Float64, KIND_REAL)
+SETTER(fmi3SetFloat64, fmi3Float64, KIND_REAL)
+GETTER(fmi3GetInt32, fmi3Int32, KIND_INTEGER)
+SETTER(fmi3SetInt32, fmi3Int32, KIND_INTEGER)
+GETTER(fmi3GetInt64, fmi3Int64, KIND_ENUMERATION)
+SETTER(fmi3SetInt64, fmi3Int64, KIND_ENUMERATION)
+GETTER(fmi3GetBoolean, fmi3Boolean, KIND_BOOLEAN)
+SETTER(fmi3SetBoolean, fmi3Boolean, KIND_BOOLEAN)
+GETTER(fmi3GetString, fmi3String, KIND_STRING)
+SETTER(fmi3SetString, fmi3String, KIND_STRING)
+
+/* states */
+
+fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
+    return status(get_state(instance, "fmi3GetFMUState", FMUState));
+}
+
+fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState FMUState) {
+    return status(set_state(instance, "fmi3SetFMUState", FMUState));
+}
+
+fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
+    return status(free_state(instance, "fmi3FreeFMUState", FMUState));
+}
+
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUState, size_t *size) {
+    return status(serialized_size(instance, "fmi3SerializedFMUStateSize", FMUState, size));
+}
+
+fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte serializedState[],
+                                 size_t size) {
+    return status(serialize(instance, "fmi3SerializeFMUState", FMUState, serializedState, size));
+}
+
+fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte serializedState[], size_t size,
+                                   fmi3FMUState *FMUState) {
+    return status(deserialize(instance, "fmi3DeserializeFMUState", serializedState, size, FMUState));
+}
 
 /* types without variables */
 
@@ -155,25 +211,29 @@ static fmi3Status none_of(Instance *i, const char *function, size_t count) {
 /* functions below ignore arguments */
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 #define NONE_OF(name, ...)                                                                                             \
-    fmi3Status fmi3##name(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,  \
-                          __VA_ARGS__) {                                                                               \
-        return none_of(instance, "fmi3" #name, nValueReferences);                                                      \
+    fmi3Status name(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,        \
+                    __VA_ARGS__) {                                                                                     \
+        return none_of(instance, #name, nValueReferences);                                                             \
     }
-#define NO_VARIABLES_OF(Type)                                                                                          \
-    NONE_OF(Get##Type, fmi3##Type values[], size_t nValues)                                                            \
-    NONE_OF(Set##Type, const fmi3##Type values[], size_t nValues)
 
-NO_VARIABLES_OF(Float32)
-NO_VARIABLES_OF(Int8)
-NO_VARIABLES_OF(UInt8)
-NO_VARIABLES_OF(Int16)
-NO_VARIABLES_OF(UInt16)
-NO_VARIABLES_OF(UInt32)
-NO_VARIABLES_OF(UInt64)
-NONE_OF(GetBinary, size_t valueSizes[], fmi3Binary values[], size_t nValues)
-NONE_OF(SetBinary, const size_t valueSizes[], const fmi3Binary values[], size_t nValues)
-NONE_OF(GetClock, fmi3Clock values[])
-NONE_OF(SetClock, const fmi3Clock values[])
+NONE_OF(fmi3GetFloat32, fmi3Float32 values[], size_t nValues)
+NONE_OF(fmi3SetFloat32, const fmi3Float32 values[], size_t nValues)
+NONE_OF(fmi3GetInt8, fmi3Int8 values[], size_t nValues)
+NONE_OF(fmi3SetInt8, const fmi3Int8 values[], size_t nValues)
+NONE_OF(fmi3GetUInt8, fmi3UInt8 values[], size_t nValues)
+NONE_OF(fmi3SetUInt8, const fmi3UInt8 values[], size_t nValues)
+NONE_OF(fmi3GetInt16, fmi3Int16 values[], size_t nValues)
+NONE_OF(fmi3SetInt16, const fmi3Int16 values[], size_t nValues)
+NONE_OF(fmi3GetUInt16, fmi3UInt16 values[], size_t nValues)
+NONE_OF(fmi3SetUInt16, const fmi3UInt16 values[], size_t nValues)
+NONE_OF(fmi3GetUInt32, fmi3UInt32 values[], size_t nValues)
+NONE_OF(fmi3SetUInt32, const fmi3UInt32 values[], size_t nValues)
+NONE_OF(fmi3GetUInt64, fmi3UInt64 values[], size_t nValues)
+NONE_OF(fmi3SetUInt64, const fmi3UInt64 values[], size_t nValues)
+NONE_OF(fmi3GetBinary, size_t valueSizes[], fmi3Binary values[], size_t nValues)
+NONE_OF(fmi3SetBinary, const size_t valueSizes[], const fmi3Binary values[], size_t nValues)
+NONE_OF(fmi3GetClock, fmi3Clock values[])
+NONE_OF(fmi3SetClock, const fmi3Clock values[])
 
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns,
                                         const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
@@ -190,55 +250,72 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
 
 /* functions ruled out by capability flags */
 
+#define NOT_SUPPORTED(name, reason, ...)                                                                               \
+    fmi3Status name(__VA_ARGS__) {                                                                                     \
+        return status(refuse(instance, reason));                                                                       \
+    }
 #define NOT_PROVIDED "this FMU does not provide that; see its capability flags"
 #define NO_EVENTS "this FMU has no structural parameters, no discrete states to evaluate and no clocks"
 
-NOT_SUPPORTED(GetAdjointDerivative, NOT_PROVIDED, fmi3Instance instance, const fmi3ValueReference unknowns[],
+NOT_SUPPORTED(fmi3GetAdjointDerivative, NOT_PROVIDED, fmi3Instance instance, const fmi3ValueReference unknowns[],
               size_t nUnknowns, const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
               size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
-NOT_SUPPORTED(GetOutputDerivatives, NOT_PROVIDED, fmi3Instance instance, const fmi3ValueReference valueReferences[],
+NOT_SUPPORTED(fmi3GetOutputDerivatives, NOT_PROVIDED, fmi3Instance instance, const fmi3ValueReference valueReferences[],
               size_t nValueReferences, const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues)
-NOT_SUPPORTED(GetNumberOfVariableDependencies, NOT_PROVIDED, fmi3Instance instance, fmi3ValueReference valueReference,
-              size_t *nDependencies)
-NOT_SUPPORTED(GetVariableDependencies, NOT_PROVIDED, fmi3Instance instance, fmi3ValueReference dependent,
+NOT_SUPPORTED(fmi3GetNumberOfVariableDependencies, NOT_PROVIDED, fmi3Instance instance,
+              fmi3ValueReference valueReference, size_t *nDependencies)
+NOT_SUPPORTED(fmi3GetVariableDependencies, NOT_PROVIDED, fmi3Instance instance, fmi3ValueReference dependent,
               size_t elementIndicesOfDependent[], fmi3ValueReference independents[],
               size_t elementIndicesOfIndependents[], fmi3DependencyKind dependencyKinds[], size_t nDependencies)
 
 /* structural parameters and clocks */
 
-NOT_SUPPORTED(EnterConfigurationMode, NO_EVENTS, fmi3Instance instance)
-NOT_SUPPORTED(ExitConfigurationMode, NO_EVENTS, fmi3Instance instance)
-NOT_SUPPORTED(EvaluateDiscreteStates, NO_EVENTS, fmi3Instance instance)
+NOT_SUPPORTED(fmi3EnterConfigurationMode, NO_EVENTS, fmi3Instance instance)
+NOT_SUPPORTED(fmi3ExitConfigurationMode, NO_EVENTS, fmi3Instance instance)
+NOT_SUPPORTED(fmi3EvaluateDiscreteStates, NO_EVENTS, fmi3Instance instance)
 #define OF_CLOCKS(name, ...)                                                                                           \
     NOT_SUPPORTED(name, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],                  \
                   size_t nValueReferences, __VA_ARGS__)
 
-OF_CLOCKS(GetIntervalDecimal, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
-OF_CLOCKS(GetIntervalFraction, fmi3UInt64 counters[], fmi3UInt64 resolutions[], fmi3IntervalQualifier qualifiers[])
-OF_CLOCKS(GetShiftDecimal, fmi3Float64 shifts[])
-OF_CLOCKS(GetShiftFraction, fmi3UInt64 counters[], fmi3UInt64 resolutions[])
-OF_CLOCKS(SetIntervalDecimal, const fmi3Float64 intervals[])
-OF_CLOCKS(SetIntervalFraction, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
-OF_CLOCKS(SetShiftDecimal, const fmi3Float64 shifts[])
-OF_CLOCKS(SetShiftFraction, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
-NOT_SUPPORTED(ActivateModelPartition, NO_EVENTS, fmi3Instance instance, fmi3ValueReference clockReference,
+OF_CLOCKS(fmi3GetIntervalDecimal, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
+OF_CLOCKS(fmi3GetIntervalFraction, fmi3UInt64 counters[], fmi3UInt64 resolutions[], fmi3IntervalQualifier qualifiers[])
+OF_CLOCKS(fmi3GetShiftDecimal, fmi3Float64 shifts[])
+OF_CLOCKS(fmi3GetShiftFraction, fmi3UInt64 counters[], fmi3UInt64 resolutions[])
+OF_CLOCKS(fmi3SetIntervalDecimal, const fmi3Float64 intervals[])
+OF_CLOCKS(fmi3SetIntervalFraction, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
+OF_CLOCKS(fmi3SetShiftDecimal, const fmi3Float64 shifts[])
+OF_CLOCKS(fmi3SetShiftFraction, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
+NOT_SUPPORTED(fmi3ActivateModelPartition, NO_EVENTS, fmi3Instance instance, fmi3ValueReference clockReference,
               fmi3Float64 activationTime)
 
 /* other kinds of simulation; the first argument behind the environment is logMessage */
 
 #define OTHER_KIND(name, ...)                                                                                          \
-    fmi3Instance fmi3Instantiate##name(fmi3String instanceName, fmi3String instantiationToken,                         \
-                                       fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,            \
-                                       fmi3InstanceEnvironment instanceEnvironment, __VA_ARGS__) {                     \
+    fmi3Instance name(fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,                 \
+                      fmi3Boolean visible, fmi3Boolean loggingOn, fmi3InstanceEnvironment instanceEnvironment,         \
+                      __VA_ARGS__) {                                                                                   \
         if (logMessage) logMessage(instanceEnvironment, fmi3Error, "logStatusError", CO_SIMULATION_ONLY);              \
         return NULL;                                                                                                   \
     }
 
-OTHER_KIND(ModelExchange, fmi3LogMessageCallback logMessage)
-OTHER_KIND(ScheduledExecution, fmi3LogMessageCallback logMessage, fmi3ClockUpdateCallback clockUpdate,
+OTHER_KIND(fmi3InstantiateModelExchange, fmi3LogMessageCallback logMessage)
+OTHER_KIND(fmi3InstantiateScheduledExecution, fmi3LogMessageCallback logMessage, fmi3ClockUpdateCallback clockUpdate,
            fmi3LockPreemptionCallback lockPreemption, fmi3UnlockPreemptionCallback unlockPreemption)
 
-NOT_SUPPORTED(GetContinuousStateDerivatives, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 derivatives[],
+NOT_SUPPORTED(fmi3GetContinuousStateDerivatives, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 derivatives[],
               size_t nContinuousStates)
-NOT_SUPPORTED(GetNumberOfEventIndicators, CO_SIMULATION_ONLY, fmi3Instance instance, size_t *nEventIndicators)
-NOT_SUPPORTED(GetNumberOfContinuousStates, CO_SIMULATION_ONLY, fmi3Instance instance, size_t *nContinuousStates)
+NOT_SUPPORTED(fmi3GetNumberOfEventIndicators, CO_SIMULATION_ONLY, fmi3Instance instance, size_t *nEventIndicators)
+NOT_SUPPORTED(fmi3GetNumberOfContinuousStates, CO_SIMULATION_ONLY, fmi3Instance instance, size_t *nContinuousStates)
+NOT_SUPPORTED(fmi3EnterContinuousTimeMode, CO_SIMULATION_ONLY, fmi3Instance instance)
+NOT_SUPPORTED(fmi3CompletedIntegratorStep, CO_SIMULATION_ONLY, fmi3Instance instance,
+              fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *enterEventMode,
+              fmi3Boolean *terminateSimulation)
+NOT_SUPPORTED(fmi3SetTime, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 time)
+NOT_SUPPORTED(fmi3SetContinuousStates, CO_SIMULATION_ONLY, fmi3Instance instance, const fmi3Float64 continuousStates[],
+              size_t nContinuousStates)
+NOT_SUPPORTED(fmi3GetEventIndicators, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 eventIndicators[],
+              size_t nEventIndicators)
+NOT_SUPPORTED(fmi3GetContinuousStates, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 continuousStates[],
+              size_t nContinuousStates)
+NOT_SUPPORTED(fmi3GetNominalsOfContinuousStates, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 nominals[],
+              size_t nContinuousStates)

@@ -12,7 +12,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from fmu_src.native.mach_o import universal
+from fmu_src.shell.mach_o import universal
 from rope_model import compiler as kernels
 from rope_model.codegen.platforms import PLATFORMS as PLATFORMS
 from rope_model.codegen.platforms import host_platform as host_platform

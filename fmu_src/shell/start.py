@@ -1,6 +1,6 @@
 """Start values of an export, as ``start.c`` of the sources and written into finished libraries.
 
-Token, start values and the form of arrays are one block of the library, behind MAGIC.  It is read
+Token, start values and the choice of arrays are one block of the library, behind MAGIC.  It is read
 at run time (volatile), so it can be written after the compiler is done: one library per platform
 and version of FMI serves every export.  Its bytes are those of one compiled from the export's own
 sources, except for the linker's mark (the time stamp of Windows' libraries, macOS's UUID).
@@ -10,8 +10,8 @@ import struct
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from fmu_src.native.build import binaries
-from fmu_src.native.mach_o import parts, with_page_hashes
+from fmu_src.shell.build import binaries
+from fmu_src.shell.mach_o import parts, with_page_hashes
 from rope_model.texts import c_string
 
 MAGIC = b"FMU start values"

@@ -6,7 +6,6 @@
 
    Object and library share arrays by scalar: entries of the last call, outputs, and flags of the outputs known since
    the last change.  Python computes an unknown output together with its group. */
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -18,6 +17,7 @@
 #endif
 
 #include "model.h"
+#include "text.h"
 
 typedef struct PyObject PyObject;
 
@@ -29,6 +29,11 @@ typedef struct PyObject PyObject;
     F(void, PyGILState_Release, (int))                                                                                 \
     F(void, Py_DecRef, (PyObject *))                                                                                   \
     F(void, PyErr_WriteUnraisable, (PyObject *))                                                                       \
+    F(PyObject *, PyErr_Occurred, (void))                                                                              \
+    F(void, PyErr_Fetch, (PyObject * *kind, PyObject * *value, PyObject * *traceback))                                 \
+    F(void, PyErr_Restore, (PyObject * kind, PyObject * value, PyObject * traceback))                                  \
+    F(void, PyErr_Clear, (void))                                                                                       \
+    F(PyObject *, PyObject_Repr, (PyObject *))                                                                         \
     F(int, PyObject_IsTrue, (PyObject *))                                                                              \
     F(PyObject *, PyObject_GetAttrString, (PyObject *, const char *))                                                  \
     F(PyObject *, PyObject_CallFunction, (PyObject *, const char *format, ...))                                        \
@@ -55,8 +60,10 @@ enum { OLDEST = 11, NEWEST = 29 };    /* versions 3.x to try */
 struct ModelInstance {
     PyObject *object;
     void (*deallocate)(void *);
+    int warnings; /* number of warnings that the object has */
     /* MODEL_SCALARS each */
-    double *values, *outputs;
+    double *values;
+    double *outputs;
     unsigned char *known;
 };
 
@@ -158,17 +165,17 @@ static bool find_python(char *message) {
     if (found_all) return true;
     void *from = (void *)library();
     if (!from) {
-        snprintf(message, MESSAGE_BYTES,
-                 "this FMU runs Python code, and there is neither a Python in this process nor a libpython to load; "
-                 "preload one or put it on the library path, or take the native flavour of this FMU");
+        write_message(
+            message,
+            "this FMU runs Python code, and there is neither a Python in this process nor a libpython to load; "
+            "preload one or put it on the library path, or take the native flavour of this FMU");
         return false;
     }
     for (size_t i = 0; i < sizeof entries / sizeof *entries; i++) {
         void *found = symbol(from, entries[i].name);
         if (!found) {
-            snprintf(message, MESSAGE_BYTES,
-                     "the Python of this process has no %s; this FMU needs Python 3.%d or newer", entries[i].name,
-                     OLDEST);
+            write_message(message, "the Python of this process has no %s; this FMU needs Python 3.%d or newer",
+                          entries[i].name, OLDEST);
             return false;
         }
         memcpy(entries[i].place, &found, sizeof found);
@@ -190,29 +197,31 @@ static bool have_python(char *message) {
 
 /* answers of Python */
 
-/* Copy a message as far as it fits, cut between two characters. */
-static void copy(const char *text, char *message) {
-    size_t length = strlen(text);
-    if (length >= MESSAGE_BYTES)
-        for (length = MESSAGE_BYTES - 1; (text[length] & 0xC0) == 0x80;) length--;
-    memcpy(message, text, length);
-    message[length] = '\0';
-}
-
-/* Report an exception that no Python code caught. */
+/* Report an exception that no Python code caught: its text as the message, its traceback on standard error. */
 static void report(char *message) {
+    PyObject *kind = NULL;
+    PyObject *value = NULL;
+    PyObject *traceback = NULL;
+    python.PyErr_Fetch(&kind, &value, &traceback);
+    PyObject *text = value ? python.PyObject_Repr(value) : NULL;
+    const char *cause = text ? python.PyUnicode_AsUTF8AndSize(text, NULL) : NULL;
+    write_message(message, "internal error in Python, please report it: %s; its standard error has the traceback",
+                  cause ? cause : "an exception without a text");
+    python.Py_DecRef(text);
+    python.PyErr_Clear(); /* one of its text */
+    python.PyErr_Restore(kind, value, traceback);
     python.PyErr_WriteUnraisable(NULL);
-    copy("internal error in Python, please report it; its standard error has the traceback", message);
 }
 
-/* Copy a string and release it. */
-static void take_text(PyObject *text, char *message) {
+/* Copy a string and release it; report an exception in its place. */
+static bool take_text(PyObject *text, char *message) {
     const char *found = text ? python.PyUnicode_AsUTF8AndSize(text, NULL) : NULL;
     if (found)
-        copy(found, message);
+        copy_text(message, MESSAGE_BYTES, found);
     else
         report(message);
     python.Py_DecRef(text);
+    return found != NULL;
 }
 
 /* True if a method succeeded; else copies the object's message. */
@@ -222,16 +231,25 @@ static bool check_answer(PyObject *object, PyObject *answer, char *message) {
     if (ok < 0)
         report(message);
     else if (!ok)
-        take_text(python.PyObject_GetAttrString(object, "message"), message);
+        (void)take_text(python.PyObject_GetAttrString(object, "message"), message); /* false either way */
     return ok > 0;
 }
 
-static double as_number(PyObject *answer) {
-    double value = answer ? python.PyFloat_AsDouble(answer) : NAN;
-    char message[MESSAGE_BYTES];
-    if (!answer) report(message);
+/* Take a number and release it; report an exception in its place. */
+static bool take_number(PyObject *answer, double *number, char *message) {
+    *number = answer ? python.PyFloat_AsDouble(answer) : -1.0;
+    const bool ok = answer && !(*number == -1.0 && python.PyErr_Occurred());
+    if (!ok) report(message);
     python.Py_DecRef(answer);
-    return value;
+    return ok;
+}
+
+/* Call a method without arguments for a number. */
+static bool call_for_number(const ModelInstance *model, const char *method, double *number, char *message) {
+    const int gil = python.PyGILState_Ensure();
+    const bool ok = take_number(python.PyObject_CallMethod(model->object, method, NULL), number, message);
+    python.PyGILState_Release(gil);
+    return ok;
 }
 
 /* the functions of model.h */
@@ -240,13 +258,9 @@ bool model_has_events(void) {
     return false;
 }
 
-const char *model_accuracy(void) {
-    return "accuracy.end_force";
-}
-
 bool model_open(const char *resources, char *message) {
     if (!have_python(message)) return false;
-    int gil = python.PyGILState_Ensure();
+    const int gil = python.PyGILState_Ensure();
     PyObject *loaded = make;
     if (!loaded) {
         PyObject *builtins = python.PyImport_ImportModule("builtins");
@@ -257,7 +271,7 @@ bool model_open(const char *resources, char *message) {
         if (!done)
             report(message);
         else if (!loaded)
-            take_text(python.Py_BuildValue("O", python.PyDict_GetItemString(scope, "wrong")), message);
+            (void)take_text(python.Py_BuildValue("O", python.PyDict_GetItemString(scope, "wrong")), message);
         if (loaded) make = loaded;
         python.Py_DecRef(done);
         python.Py_DecRef(builtins);
@@ -270,7 +284,7 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
     size_t bytes = MODEL_SCALARS * sizeof(double);
     ModelInstance *model = allocator->allocate(1, sizeof *model + 2 * bytes + MODEL_SCALARS);
     if (!model) {
-        snprintf(message, MESSAGE_BYTES, "no memory for the model; free other instances first");
+        write_message(message, "no memory for the model; free other instances first");
         return NULL;
     }
     model->deallocate = allocator->deallocate;
@@ -279,7 +293,7 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
     model->known = (unsigned char *)(model->outputs + MODEL_SCALARS);
     memcpy(model->values, values, bytes);
     memset(model->outputs, 0, bytes + MODEL_SCALARS);
-    int gil = python.PyGILState_Ensure();
+    const int gil = python.PyGILState_Ensure();
     PyObject *answer = NULL;
     model->object = python.PyObject_CallFunction(make, NULL);
     if (model->object)
@@ -288,7 +302,10 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
             python.PyMemoryView_FromMemory((char *)model->values, (ptrdiff_t)bytes, READ),
             python.PyMemoryView_FromMemory((char *)model->outputs, (ptrdiff_t)bytes, WRITE),
             python.PyMemoryView_FromMemory((char *)model->known, (ptrdiff_t)MODEL_SCALARS, WRITE));
-    const int ok = check_answer(model->object, answer, message);
+    double warnings = 0.0;
+    const bool ok = check_answer(model->object, answer, message) &&
+                    take_number(python.PyObject_GetAttrString(model->object, "warnings"), &warnings, message);
+    model->warnings = (int)warnings;
     python.PyGILState_Release(gil);
     if (ok) return model;
     model_destroy(model);
@@ -298,7 +315,7 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
 void model_destroy(ModelInstance *model) {
     if (!model) return;
     if (python.Py_IsInitialized()) { /* a Python host may end before its FMUs */
-        int gil = python.PyGILState_Ensure();
+        const int gil = python.PyGILState_Ensure();
         python.Py_DecRef(model->object);
         python.PyGILState_Release(gil);
     }
@@ -308,10 +325,11 @@ void model_destroy(ModelInstance *model) {
 /* Call a method with these entries and as many of t and h as `format` has; return true on success. */
 static bool succeeds(ModelInstance *model, const double *values, const char *method, const char *format, double t,
                      double h, char *message) {
-    int gil = python.PyGILState_Ensure(), ok;
+    const int gil = python.PyGILState_Ensure();
     memcpy(model->values, values, MODEL_SCALARS * sizeof(double));
     memset(model->known, 0, MODEL_SCALARS); /* computed from other entries */
-    ok = check_answer(model->object, python.PyObject_CallMethod(model->object, method, format, t, h), message);
+    const bool ok =
+        check_answer(model->object, python.PyObject_CallMethod(model->object, method, format, t, h), message);
     python.PyGILState_Release(gil);
     return ok;
 }
@@ -329,17 +347,14 @@ bool model_retune(ModelInstance *model, const double *values, char *message) {
     return succeeds(model, values, "retune", NULL, 0.0, 0.0, message);
 }
 
-double model_time(const ModelInstance *model) {
-    int gil = python.PyGILState_Ensure();
-    double time = as_number(python.PyObject_CallMethod(model->object, "time", NULL));
-    python.PyGILState_Release(gil);
-    return time;
+bool model_time(const ModelInstance *model, double *t, char *message) {
+    return call_for_number(model, "time", t, message);
 }
 
 bool model_output(ModelInstance *model, size_t scalar, double *value, char *message) {
-    int ok = 1;
+    bool ok = true;
     if (!model->known[scalar]) {
-        int gil = python.PyGILState_Ensure();
+        const int gil = python.PyGILState_Ensure();
         ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "compute", "n", (ptrdiff_t)scalar),
                           message);
         python.PyGILState_Release(gil);
@@ -350,7 +365,7 @@ bool model_output(ModelInstance *model, size_t scalar, double *value, char *mess
 
 /* The object keeps the text until the next call for this scalar. */
 bool model_text(ModelInstance *model, size_t scalar, const char **text, char *message) {
-    int gil = python.PyGILState_Ensure();
+    const int gil = python.PyGILState_Ensure();
     PyObject *answer = python.PyObject_CallMethod(model->object, "text", "n", (ptrdiff_t)scalar);
     const char *found = answer ? python.PyUnicode_AsUTF8AndSize(answer, NULL) : NULL;
     if (!found) report(message);
@@ -360,54 +375,63 @@ bool model_text(ModelInstance *model, size_t scalar, const char **text, char *me
     return found != NULL;
 }
 
-void model_note(const ModelInstance *model, char *message) {
-    int gil = python.PyGILState_Ensure();
-    take_text(python.PyObject_CallMethod(model->object, "note", NULL), message);
+bool model_note(const ModelInstance *model, char *note, char *message) {
+    const int gil = python.PyGILState_Ensure();
+    const bool ok = take_text(python.PyObject_CallMethod(model->object, "note", NULL), note);
     python.PyGILState_Release(gil);
+    if (!ok) copy_text(message, MESSAGE_BYTES, note);
+    return ok;
 }
 
+/* An exception becomes the text of the warning. */
 bool model_warning(ModelInstance *model, int index, char *message) {
-    const int gil = python.PyGILState_Ensure();
-    const int exists = index < as_number(python.PyObject_GetAttrString(model->object, "warnings"));
     message[0] = '\0';
-    if (exists) take_text(python.PyObject_CallMethod(model->object, "warning", "i", index), message);
+    if (index >= model->warnings) return false;
+    const int gil = python.PyGILState_Ensure();
+    (void)take_text(python.PyObject_CallMethod(model->object, "warning", "i", index), message);
     python.PyGILState_Release(gil);
-    return exists;
+    return true;
 }
 
 bool model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t count,
                       double *sum, char *message) {
     (void)model, (void)known, (void)seed, (void)unknown, (void)count, (void)sum;
-    snprintf(message, MESSAGE_BYTES, "this FMU has no directional derivatives; export the native flavour");
+    write_message(message, "this FMU has no directional derivatives; export the native flavour");
     return false;
 }
 
-size_t model_state_bytes(const ModelInstance *model) {
-    int gil = python.PyGILState_Ensure();
-    double bytes = as_number(python.PyObject_CallMethod(model->object, "state_bytes", NULL));
-    python.PyGILState_Release(gil);
-    return bytes > 0.0 ? (size_t)bytes : 0;
+bool model_state_bytes(const ModelInstance *model, size_t *bytes, char *message) {
+    double number;
+    if (!call_for_number(model, "state_bytes", &number, message)) return false;
+    *bytes = (size_t)number;
+    return true;
 }
 
-void model_save(const ModelInstance *model, void *to) {
-    int gil = python.PyGILState_Ensure();
+bool model_save(const ModelInstance *model, void *to, size_t bytes, char *message) {
+    const int gil = python.PyGILState_Ensure();
     PyObject *state = python.PyObject_CallMethod(model->object, "state", NULL);
-    char *bytes = NULL, message[MESSAGE_BYTES];
+    char *from = NULL;
     ptrdiff_t length = 0;
-    if (state && python.PyBytes_AsStringAndSize(state, &bytes, &length) == 0)
-        memcpy(to, bytes, (size_t)length);
-    else
-        report(message);
+    bool ok = state && python.PyBytes_AsStringAndSize(state, &from, &length) == 0;
+    if (!ok) report(message);
+    if (ok && (size_t)length != bytes) {
+        write_message(message, "the state of the model has %s bytes, not the %s that it announced; please report it",
+                      SHORT((double)length), SHORT((double)bytes));
+        ok = false;
+    }
+    if (ok) memcpy(to, from, bytes);
     python.Py_DecRef(state);
     python.PyGILState_Release(gil);
+    return ok;
 }
 
 bool model_restore(ModelInstance *model, const void *from, size_t bytes, char *message) {
-    int gil = python.PyGILState_Ensure(), ok;
-    ok = check_answer(model->object,
-                      python.PyObject_CallMethod(model->object, "restore", "N",
-                                                 python.PyMemoryView_FromMemory((char *)from, (ptrdiff_t)bytes, READ)),
-                      message);
+    const int gil = python.PyGILState_Ensure();
+    const bool ok =
+        check_answer(model->object,
+                     python.PyObject_CallMethod(model->object, "restore", "N",
+                                                python.PyMemoryView_FromMemory((char *)from, (ptrdiff_t)bytes, READ)),
+                     message);
     memset(model->known, 0, MODEL_SCALARS);
     python.PyGILState_Release(gil);
     return ok;

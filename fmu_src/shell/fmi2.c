@@ -4,6 +4,8 @@
 #include "component.h"
 #include "fmi2Functions.h"
 #include "snapshot.h"
+#include "text.h"
+#include "values.h"
 
 enum { NAME = 128 };
 
@@ -36,16 +38,16 @@ static void log_message(void *context, Severity severity, const char *message) {
     if (severity != LOG_NOTE || i->logging) say(i->logger, i->environment, i->name, severity, message);
 }
 
-#define FMI(name) fmi2##name
-#define STATE(verb, rest) fmi2##verb##FMUstate##rest
-#define DESERIALIZE fmi2DeSerializeFMUstate
-typedef fmi2Component Handle;
-typedef fmi2FMUstate State;
-typedef fmi2Status Status;
 typedef fmi2Real Real;
 typedef fmi2Integer Integer;
 typedef fmi2Integer Enumeration;
+typedef fmi2Boolean Boolean;
+typedef fmi2String String;
 #include "shell.inc"
+
+static fmi2Status status(bool ok) {
+    return ok ? fmi2OK : fmi2Error;
+}
 
 /* inquiry, creation and destruction */
 
@@ -88,6 +90,15 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     return NULL;
 }
 
+void fmi2FreeInstance(fmi2Component c) {
+    free_instance(c);
+}
+
+fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories,
+                               const fmi2String categories[]) {
+    return status(set_logging(c, loggingOn != fmi2False, nCategories, categories));
+}
+
 /* life cycle */
 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,
@@ -108,6 +119,10 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
     return fmi2OK;
 }
 
+fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
+    return status(exit_initialization(c, "fmi2ExitInitializationMode"));
+}
+
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
                       fmi2Boolean noSetFMUStatePriorToCurrentPoint) {
     Instance *i = c;
@@ -116,20 +131,33 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2R
                   component_step(i->component, currentCommunicationPoint, communicationStepSize, false));
 }
 
+fmi2Status fmi2Terminate(fmi2Component c) {
+    return status(terminate(c, "fmi2Terminate"));
+}
+
+fmi2Status fmi2Reset(fmi2Component c) {
+    return status(reset(c));
+}
+
 /* values */
 
-#define VARIABLES_OF(Type, kind)                                                                                       \
-    fmi2Status fmi2Get##Type(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2##Type value[]) {         \
-        return get(c, "fmi2Get" #Type, kind, vr, nvr, value, nvr);                                                     \
-    }                                                                                                                  \
-    fmi2Status fmi2Set##Type(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2##Type value[]) {   \
-        return set(c, "fmi2Set" #Type, kind, vr, nvr, value, nvr);                                                     \
+#define GETTER(name, Type, kind)                                                                                       \
+    fmi2Status name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, Type value[]) {                        \
+        return status(get(c, #name, kind, vr, nvr, value, nvr));                                                       \
+    }
+#define SETTER(name, Type, kind)                                                                                       \
+    fmi2Status name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const Type value[]) {                  \
+        return status(set(c, #name, kind, vr, nvr, value, nvr));                                                       \
     }
 
-VARIABLES_OF(Real, KIND_REAL)
-VARIABLES_OF(Integer, KIND_INTEGER)
-VARIABLES_OF(Boolean, KIND_BOOLEAN)
-VARIABLES_OF(String, KIND_STRING)
+GETTER(fmi2GetReal, fmi2Real, KIND_REAL)
+SETTER(fmi2SetReal, fmi2Real, KIND_REAL)
+GETTER(fmi2GetInteger, fmi2Integer, KIND_INTEGER)
+SETTER(fmi2SetInteger, fmi2Integer, KIND_INTEGER)
+GETTER(fmi2GetBoolean, fmi2Boolean, KIND_BOOLEAN)
+SETTER(fmi2SetBoolean, fmi2Boolean, KIND_BOOLEAN)
+GETTER(fmi2GetString, fmi2String, KIND_STRING)
+SETTER(fmi2SetString, fmi2String, KIND_STRING)
 
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[], size_t nUnknown,
                                         const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
@@ -148,12 +176,40 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
         (nvr && !component_nonnull(i->component, order)))
         return fmi2Error;
     for (size_t k = 0; k < nvr; k++) {
-        size_t first, length;
+        size_t first;
+        size_t length;
         if (!component_find(i->component, vr[k], KIND_REAL, &first, &length) ||
             !component_set_rate(i->component, first, order[k], value[k]))
             return fmi2Error;
     }
     return fmi2OK;
+}
+
+/* states */
+
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
+    return status(get_state(c, "fmi2GetFMUstate", FMUstate));
+}
+
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate) {
+    return status(set_state(c, "fmi2SetFMUstate", FMUstate));
+}
+
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
+    return status(free_state(c, "fmi2FreeFMUstate", FMUstate));
+}
+
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size) {
+    return status(serialized_size(c, "fmi2SerializedFMUstateSize", FMUstate, size));
+}
+
+fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size) {
+    return status(serialize(c, "fmi2SerializeFMUstate", FMUstate, serializedState, size));
+}
+
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size,
+                                   fmi2FMUstate *FMUstate) {
+    return status(deserialize(c, "fmi2DeSerializeFMUstate", serializedState, size, FMUstate));
 }
 
 /* functions below ignore arguments */
@@ -162,29 +218,43 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
 /* status; only steps in the background have a pending one */
 
 #define STATUS_OF(name, Type, found, answered)                                                                         \
-    fmi2Status fmi2Get##name(fmi2Component c, const fmi2StatusKind s, Type *value) {                                   \
+    fmi2Status name(fmi2Component c, const fmi2StatusKind s, Type *value) {                                            \
         Instance *i = c;                                                                                               \
-        if (!check_call(i, "fmi2Get" #name, COMPUTED) || !component_nonnull(i->component, value)) return fmi2Error;    \
+        if (!check_call(i, #name, COMPUTED) || !component_nonnull(i->component, value)) return fmi2Error;              \
         *value = found;                                                                                                \
         return answered ? fmi2OK : fmi2Discard;                                                                        \
     }
 
-STATUS_OF(Status, fmi2Status, fmi2OK, 0)
-STATUS_OF(RealStatus, fmi2Real, component_time(i->component), s == fmi2LastSuccessfulTime)
-STATUS_OF(IntegerStatus, fmi2Integer, 0, 0)
-STATUS_OF(BooleanStatus, fmi2Boolean, fmi2False, s == fmi2Terminated)
-STATUS_OF(StringStatus, fmi2String, "", 0)
+STATUS_OF(fmi2GetStatus, fmi2Status, fmi2OK, 0)
+STATUS_OF(fmi2GetRealStatus, fmi2Real, component_time(i->component), s == fmi2LastSuccessfulTime)
+STATUS_OF(fmi2GetIntegerStatus, fmi2Integer, 0, 0)
+STATUS_OF(fmi2GetBooleanStatus, fmi2Boolean, fmi2False, s == fmi2Terminated)
+STATUS_OF(fmi2GetStringStatus, fmi2String, "", 0)
 
 /* functions ruled out by capability flags */
 
-NOT_SUPPORTED(CancelStep, "fmi2CancelStep: steps are done when fmi2DoStep returns; there is none to cancel",
-              fmi2Component instance)
-NOT_SUPPORTED(GetRealOutputDerivatives, "fmi2GetRealOutputDerivatives: maxOutputDerivativeOrder is 0; there are none",
-              fmi2Component instance, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
-              fmi2Real value[])
+#define NOT_SUPPORTED(name, reason, ...)                                                                               \
+    fmi2Status name(__VA_ARGS__) {                                                                                     \
+        return status(refuse(c, reason));                                                                              \
+    }
+
+NOT_SUPPORTED(fmi2CancelStep, "fmi2CancelStep: steps are done when fmi2DoStep returns; there is none to cancel",
+              fmi2Component c)
+NOT_SUPPORTED(fmi2GetRealOutputDerivatives,
+              "fmi2GetRealOutputDerivatives: maxOutputDerivativeOrder is 0; there are none", fmi2Component c,
+              const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[], fmi2Real value[])
 
 /* functions of model exchange, refused */
 
-NOT_SUPPORTED(EnterEventMode, CO_SIMULATION_ONLY, fmi2Component instance)
-NOT_SUPPORTED(NewDiscreteStates, CO_SIMULATION_ONLY, fmi2Component instance, fmi2EventInfo *eventInfo)
-NOT_SUPPORTED(GetDerivatives, CO_SIMULATION_ONLY, fmi2Component instance, fmi2Real derivatives[], size_t nx)
+NOT_SUPPORTED(fmi2EnterEventMode, CO_SIMULATION_ONLY, fmi2Component c)
+NOT_SUPPORTED(fmi2NewDiscreteStates, CO_SIMULATION_ONLY, fmi2Component c, fmi2EventInfo *eventInfo)
+NOT_SUPPORTED(fmi2EnterContinuousTimeMode, CO_SIMULATION_ONLY, fmi2Component c)
+NOT_SUPPORTED(fmi2CompletedIntegratorStep, CO_SIMULATION_ONLY, fmi2Component c,
+              fmi2Boolean noSetFMUStatePriorToCurrentPoint, fmi2Boolean *enterEventMode,
+              fmi2Boolean *terminateSimulation)
+NOT_SUPPORTED(fmi2SetTime, CO_SIMULATION_ONLY, fmi2Component c, fmi2Real time)
+NOT_SUPPORTED(fmi2SetContinuousStates, CO_SIMULATION_ONLY, fmi2Component c, const fmi2Real x[], size_t nx)
+NOT_SUPPORTED(fmi2GetDerivatives, CO_SIMULATION_ONLY, fmi2Component c, fmi2Real derivatives[], size_t nx)
+NOT_SUPPORTED(fmi2GetEventIndicators, CO_SIMULATION_ONLY, fmi2Component c, fmi2Real eventIndicators[], size_t ni)
+NOT_SUPPORTED(fmi2GetContinuousStates, CO_SIMULATION_ONLY, fmi2Component c, fmi2Real x[], size_t nx)
+NOT_SUPPORTED(fmi2GetNominalsOfContinuousStates, CO_SIMULATION_ONLY, fmi2Component c, fmi2Real x_nominal[], size_t nx)

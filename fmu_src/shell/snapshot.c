@@ -3,9 +3,12 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "saved_state.h"
+
 struct Snapshot {
     const void *mark; /* &OURS until it is freed */
-    size_t bytes, capacity;
+    size_t bytes;
+    size_t capacity;
     uint64_t state[]; /* words of 64 bits, for alignment */
 };
 
@@ -30,15 +33,18 @@ bool snapshot_check(Component *c, const Snapshot *snapshot) {
 }
 
 bool snapshot_take(Component *c, const Allocator *allocator, Snapshot **snapshot) {
-    size_t bytes = component_state_bytes(c);
-    if (!*snapshot || (*snapshot)->capacity < bytes) {
-        Snapshot *larger = allocate_snapshot(c, allocator, bytes);
-        if (!larger) return false;
-        snapshot_free(allocator, *snapshot);
-        *snapshot = larger;
+    size_t bytes;
+    if (!component_state_bytes(c, &bytes)) return false;
+    const bool fits = *snapshot && (*snapshot)->capacity >= bytes;
+    Snapshot *taken = fits ? *snapshot : allocate_snapshot(c, allocator, bytes);
+    if (!taken) return false;
+    if (!component_save(c, taken->state, bytes)) {
+        if (!fits) snapshot_free(allocator, taken);
+        return false;
     }
-    (*snapshot)->bytes = bytes;
-    component_save(c, (*snapshot)->state);
+    taken->bytes = bytes;
+    if (!fits) snapshot_free(allocator, *snapshot);
+    *snapshot = taken;
     return true;
 }
 

@@ -1,19 +1,31 @@
 /* Interface of a model: a table of scalars and a few functions.
 
-   fmi2.c or fmi3.c (the shell) -> component.c (values, rules, states) -> one model: rope_model.c, python_model.c, or
-   another one.  A model is linked into its FMU.  Its data are in ModelInstance, except those loaded once. */
+   The files of an FMU, each of which calls none above it:
+
+       fmi2.c or fmi3.c    functions of the standard; both with shell.inc
+       snapshot.c          states as objects of the host
+       saved_state.c       states of a component as blocks of bytes
+       values.c            values by value reference, rules of causality and variability
+       component.c         life cycle, modes, steps, log
+       the model           rope_model.c, python_model.c, drive_model.c or another one
+       variables.c         generated: table of the scalars
+       start.c             generated: data of one export
+       message.c, text.c   messages; texts and numbers
+
+   A model is linked into its FMU.  Its data are in ModelInstance, except those loaded once. */
 #ifndef MODEL_H
 #define MODEL_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "message.h"
+
 /* infinity and NaN must be told from numbers: a NaN would look like a force */
 #if defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__
 #error "compile without -Ofast, -ffast-math and -ffinite-math-only: this code checks for NaN and infinity"
 #endif
 
-enum { MESSAGE_BYTES = 640 }; /* bytes for a message, with its terminating zero */
 typedef enum { KIND_REAL, KIND_INTEGER, KIND_BOOLEAN, KIND_STRING, KIND_ENUMERATION } Kind;
 typedef enum { CAUSALITY_PARAMETER, CAUSALITY_INPUT, CAUSALITY_OUTPUT, CAUSALITY_INDEPENDENT } Causality;
 typedef enum { VARIABILITY_FIXED, VARIABILITY_TUNABLE, VARIABILITY_CONTINUOUS, VARIABILITY_DISCRETE } Variability;
@@ -33,6 +45,9 @@ typedef struct {
 
 extern const Variable MODEL_VARIABLES[];
 extern const size_t MODEL_SCALARS;
+/* scalars with a meaning for the shell; MODEL_SCALARS where the model has none */
+extern const size_t MODEL_ACCURACY;    /* parameter that has the model's accuracy, in place of the tolerance of FMI */
+extern const size_t MODEL_AT_STEP_END; /* parameter that is true if the inputs of a step are those at its end */
 
 /* Data of one export, in start.c; they are also patched into a finished library.  The token is checked at
    instantiation: the GUID of FMI 2, the instantiation token of FMI 3. */
@@ -55,13 +70,6 @@ typedef struct ModelInstance ModelInstance;
    integers whole.  Functions that return bool return true on success.  They return false on failure: `message`
    (MESSAGE_BYTES bytes) names value, bound and cure, and the model is unchanged. */
 
-/* Write a message as snprintf does, with a decimal point in every locale, and cut between characters of UTF-8.
-   Conversions: %s, %d, and %g with flags, width and precision as digits. */
-void write_message(char message[MESSAGE_BYTES], const char *format, ...);
-
-/* Return the name of the parameter that has the model's accuracy, in place of the tolerance of FMI; NULL for none. */
-const char *model_accuracy(void);
-
 /* Prepare this process for models; call it before model_create.  `resources` is the FMU's folder of that name, a URI in
    FMI 2.0, a path in 3.0. */
 bool model_open(const char *resources, char *message);
@@ -76,22 +84,24 @@ bool model_step(ModelInstance *model, double t, double h, const double *values, 
 /* Change tunable parameters. */
 bool model_retune(ModelInstance *model, const double *values, char *message);
 
-double model_time(const ModelInstance *model);
+/* Write the model's time, s. */
+bool model_time(const ModelInstance *model, double *t, char *message);
 /* Return a scalar whose source is FROM_MODEL. */
 bool model_output(ModelInstance *model, size_t scalar, double *value, char *message);
 bool model_text(ModelInstance *model, size_t scalar, const char **text, char *message);
-/* Write a line for the log about the model; "" for none. */
-void model_note(const ModelInstance *model, char *message);
-/* Write warning `number`, from 0 on; "" if it does not apply.  Return false after the last warning. */
+/* Write a line for the log about the model into `note` (MESSAGE_BYTES); "" for none. */
+bool model_note(const ModelInstance *model, char *note, char *message);
+/* Write warning `index`, from 0 on; "" if it does not apply.  Return false after the last warning. */
 bool model_warning(ModelInstance *model, int index, char *message);
 
-/* Add seed times the derivatives of the scalars `unknown` with respect to the scalar `known` to sum (number). */
+/* Add seed times the derivatives of the scalars `unknown` with respect to the scalar `known` to sum (count). */
 bool model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t count,
                       double *sum, char *message);
 
 /* The complete state without the entries is a block of bytes without addresses, valid in every process. */
-size_t model_state_bytes(const ModelInstance *model);
-void model_save(const ModelInstance *model, void *to);
+bool model_state_bytes(const ModelInstance *model, size_t *bytes, char *message);
+/* Write the state into `to`, of as many bytes as model_state_bytes gave; leave them unchanged on failure. */
+bool model_save(const ModelInstance *model, void *to, size_t bytes, char *message);
 bool model_restore(ModelInstance *model, const void *from, size_t bytes, char *message);
 
 #endif
