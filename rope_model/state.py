@@ -8,9 +8,7 @@ import numpy as np
 
 from rope_model.arrays import Array
 from rope_model.boundary.end_paths import EndPath
-from rope_model.boundary.input_filter import (
-    InputFilter,
-)
+from rope_model.boundary.input_filter import InputFilter
 from rope_model.fidelity.choice import Fidelity
 from rope_model.method.audit import Audit
 from rope_model.method.generalized_alpha import Motion

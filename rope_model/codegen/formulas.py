@@ -4,9 +4,17 @@ from itertools import accumulate
 from types import ModuleType
 from typing import Any
 
-from rope_model.boundary import bodies, end_conditions, end_paths, input_filter, input_misfit
+from rope_model.boundary import (
+    bodies,
+    end_conditions,
+    end_paths,
+    input_filter,
+    input_misfit,
+    input_path,
+)
 from rope_model.boundary.end_paths import EndMotion, EndPath
-from rope_model.boundary.input_filter import InputFilter, filter_sample
+from rope_model.boundary.input_filter import InputFilter
+from rope_model.boundary.input_sample import filter_sample
 from rope_model.codegen.derivatives import path_change
 from rope_model.codegen.signatures import Formula, array
 from rope_model.method import (
@@ -65,8 +73,8 @@ FORMULAS: tuple[Formula, ...] = (
     Formula("filter_resting", InputFilter.at_rest),
     Formula("filter_settings", input_filter.filter_settings),
     Formula("filter_sample", filter_sample),
-    Formula("filter_path", input_filter.filter_path),
-    Formula("path_measures", input_filter.path_measures, result=array("measures", 14)),
+    Formula("filter_path", input_path.filter_path),
+    Formula("path_measures", input_path.path_measures, result=array("measures", 14)),
     Formula("add_misfit", input_misfit.add_misfit),
     Formula("path_coasting", EndPath.at_constant_acceleration),
     Formula("path_at", EndPath.at),
