@@ -28,6 +28,7 @@ from hoist_demo.cosimulation.drive_signals import with_drive_signals
 from hoist_demo.cosimulation.loading import Loading
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.hoist_partner import DriveCommand
+from hoist_demo.cosimulation.participants.identity import Identity, named_values
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
 from hoist_demo.cosimulation.participants.plain_data import encode
 from hoist_demo.cosimulation.run_state import Result, RunState
@@ -118,7 +119,7 @@ class Host:
         )
 
     @property
-    def shared_data(self) -> str:
+    def identity(self) -> Identity:
         """Data that a checkpoint and the run that continues it share.
 
         Scheme and step may change.
@@ -128,12 +129,17 @@ class Host:
         factory = self._controller or SpeedController
         if isinstance(factory, partial):
             factory = factory.func
-        controller = getattr(factory, "__qualname__", "")
-        data = (plan.hoist, plan.winding, plan.gains, coupling.start, coupling.sample_time)
-        recorded = ""
-        if coupling.per_step > 1:
-            recorded = f", period={coupling.period}"
-        return f"{repr(data)[:-1]}{recorded}, controller={controller})"
+        return named_values(
+            {
+                "hoist": plan.hoist,
+                "winding": plan.winding,
+                "gains": plan.gains,
+                "controller": getattr(factory, "__qualname__", ""),
+                "coupling.start": coupling.start,
+                "coupling.sample_time": coupling.sample_time,
+                "coupling.period": coupling.period,
+            }
+        )
 
     def run(
         self,
@@ -149,7 +155,7 @@ class Host:
         stopped.
         """
         if resume is not None:
-            resume.require_fits(self.shared_data)
+            resume.require_fits(self.identity)
         try:
             run = self._start()
         except StartFailed as failure:
@@ -161,7 +167,7 @@ class Host:
         checkpoint = saved = end = None
         if cause:
             checkpoint = checkpoint_of(
-                self._plan, run, cause=cause, shared_data=self.shared_data, hoist=self.name
+                self._plan, run, cause=cause, identity=self.identity, hoist=self.name
             )
         if checkpoint is not None and save_to is not None:
             try:

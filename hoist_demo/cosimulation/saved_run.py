@@ -4,6 +4,7 @@ import logging
 from copy import deepcopy
 
 from hoist_demo.cosimulation.checkpoint import Checkpoint
+from hoist_demo.cosimulation.participants.identity import Identity
 from hoist_demo.cosimulation.run_state import RunState, SavedState, TripEnd
 from hoist_demo.cosimulation.schemes.interface import ParticipantFailed
 from hoist_demo.cosimulation.trip_plan import TripPlan
@@ -26,11 +27,11 @@ def save_state(run: RunState, k: int) -> None:
 
 
 def checkpoint_of(
-    plan: TripPlan, run: RunState, *, cause: str, shared_data: str, hoist: str
+    plan: TripPlan, run: RunState, *, cause: str, identity: Identity, hoist: str
 ) -> Checkpoint | None:
     """Return the saved state with the cause of the stop; None if no state was saved.
 
-    `shared_data` and `hoist` are the checkpoint's `data` and `hoist`.
+    `identity` and `hoist` are the checkpoint's.
     """
     saved = run.saved
     if saved is None:
@@ -51,7 +52,7 @@ def checkpoint_of(
         scheme_state=saved.scheme_state,
         rope=rope,
         recording=run.recorder.recording(),
-        data=shared_data,
+        identity=identity,
         cause=cause,
         hoist=hoist,
         emergency_at=saved.emergency_at,

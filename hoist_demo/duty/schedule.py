@@ -7,12 +7,13 @@ for winding.settle, while its payloads change evenly to those of the next.
 from collections.abc import Collection
 from functools import cached_property
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 from pydantic import Field, model_validator
 
 from hoist_demo.cases.run_values import LevelHeader, RunFile, Values
 from hoist_demo.cases.table import find_case
+from hoist_demo.cosimulation.participants.identity import Identity, named_values
 from hoist_demo.files.reading import read
 from hoist_demo.files.values import VARIED, statuses, values_of
 from hoist_demo.parameters.problems import Problems
@@ -103,11 +104,17 @@ class Schedule(RunFile):
         return self.pattern[0].start_height + whole + float(sum_of(travels[:places]))
 
     @property
-    def data(self) -> str:
+    def identity(self) -> Identity:
         """Data that a duty and its continuation must share: all but the number of repetitions."""
-        data = (self.header.hoist, self.level, self.pattern)
-        distinct = find_case(self.header.hoist).distinct_ropes
-        return repr((*data, distinct) if distinct else data)
+        values: dict[str, Any] = {"hoist": self.header.hoist, "level": self.level}
+        for k, run in enumerate(self.pattern, 1):
+            for name, value in run.identity.items():
+                values[f"trip {k}: {name}"] = value
+        for rope in find_case(self.header.hoist).distinct_ropes:
+            parts = (rope.parameters, rope.suspension, rope.breaks, {"number": rope.number})
+            for part in parts:
+                values |= named_values(part, f"rope {rope.name}")
+        return values
 
     def ropes(self, outputs: Collection[str] | None = None) -> Ropes:
         """Return the balance ropes, of which these `outputs` are recorded, as of `OneRope`."""

@@ -8,8 +8,9 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from hoist_demo.cosimulation.checkpoint import Checkpoint, differences
+from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Progress
+from hoist_demo.cosimulation.participants.identity import differences
 from hoist_demo.cosimulation.run_state import Result, TripEnd
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.cosimulation.trip_plan import NeighbouringTrips
@@ -85,7 +86,7 @@ def write_state(
         scheme_state=end.scheme_state,
         rope=rope.to_bytes(rope.save()),
         recording=trips,
-        data=schedule.data,
+        identity=schedule.identity,
         cause="",
     )
     checkpoint.write(path)
@@ -104,8 +105,8 @@ def read_state(
         raise ValueError(
             f"{error}; or delete {path}: the trips are then wound again from the first"
         ) from error
-    if last.data != schedule.data:
-        changes = differences(last.data, schedule.data)
+    changes = differences(last.identity, schedule.identity)
+    if changes:
         raise ValueError(f"'{path}' must be of this schedule, but {changes}: give another --out")
     try:
         rope.restore(rope.from_bytes(last.rope))

@@ -17,6 +17,7 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cases.rules import with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
+from hoist_demo.cosimulation.participants.identity import Identity, named_values
 from hoist_demo.design.controllers import Task
 from hoist_demo.files.registry import CONTROLLER, data_of, host_parameters
 from hoist_demo.files.values import GIVEN, ParameterValue, values_of
@@ -62,6 +63,12 @@ class RunData(Task):
             for name, value in data.items()
             if name not in _DESIGN_FIELDS or value is not None
         }
+
+    @property
+    def identity(self) -> Identity:
+        """All that decides the result, by name, but the FMU's bytes."""
+        values = named_values(replace(self, rope_values={}))
+        return values | dict(self.rope_values)
 
     def as_single_trip(self) -> "RunData":
         """Return the run as a trip that begins at a landing; refuse a jam that it misses."""

@@ -366,7 +366,7 @@ def test_a_state_is_not_taken_up_by_a_rope_of_other_parameters(tmp_path: Path) -
     ]
     stopped = Host(ropes[0], Hoist(), trip).run(lambda fraction, t: t < 0.1, tmp_path / "kept.npz")
     assert stopped.saved is not None
-    with pytest.raises(ValueError, match=r"rope\.EI is 300\.0 there, 450\.0 here"):
+    with pytest.raises(ValueError, match=r"rope\.EI = 300\.0 must be 450\.0"):
         Host(ropes[1], Hoist(), trip).run(resume=Checkpoint.read(stopped.saved))
 
 
