@@ -14,7 +14,7 @@ command.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
@@ -157,6 +157,10 @@ class Controller(Protocol):
 
         `state` is that of the last command, None at first.
         """
+
+
+#: Makes a controller of the hoist and the motor's torque at rest [N m].
+ControllerFactory = Callable[[Hoist, float], Controller]
 
 
 class SpeedController:

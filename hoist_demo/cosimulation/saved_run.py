@@ -4,7 +4,6 @@ import logging
 from copy import deepcopy
 
 from hoist_demo.cosimulation.checkpoint import Checkpoint
-from hoist_demo.cosimulation.participants.identity import Identity
 from hoist_demo.cosimulation.run_state import RunState, SavedState, TripEnd
 from hoist_demo.cosimulation.schemes.interface import ParticipantFailed
 from hoist_demo.cosimulation.trip_plan import TripPlan
@@ -26,12 +25,10 @@ def save_state(run: RunState, k: int) -> None:
     )
 
 
-def checkpoint_of(
-    plan: TripPlan, run: RunState, *, cause: str, identity: Identity, hoist: str
-) -> Checkpoint | None:
+def checkpoint_of(plan: TripPlan, run: RunState, *, cause: str, hoist: str) -> Checkpoint | None:
     """Return the saved state with the cause of the stop; None if no state was saved.
 
-    `identity` and `hoist` are the checkpoint's.
+    `hoist` is the name or file that the checkpoint states.
     """
     saved = run.saved
     if saved is None:
@@ -52,7 +49,7 @@ def checkpoint_of(
         scheme_state=saved.scheme_state,
         rope=rope,
         recording=run.recorder.recording(),
-        identity=identity,
+        identity=plan.identity,
         cause=cause,
         hoist=hoist,
         emergency_at=saved.emergency_at,

@@ -14,6 +14,7 @@ from hoist_demo.cosimulation.participants.identity import differences
 from hoist_demo.cosimulation.run_state import Result, TripEnd
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.cosimulation.trip_plan import NeighbouringTrips
+from hoist_demo.design.controllers import design_drive
 from hoist_demo.duty.schedule import ROUNDING, Schedule
 from hoist_demo.recording.incidents import guard_trip, jams
 from hoist_demo.recording.ropes import computed
@@ -47,7 +48,7 @@ def wind_duty(
     trip whom to tell. The last trip is one that does not end, or in which the safety circuit opens
     or a conveyance jams, where there is such a one.
     """
-    drives = [run.design() for run in schedule.pattern]
+    drives = [design_drive(run) for run in schedule.pattern]
     closed = abs(schedule.landing(len(drives)) - schedule.landing(0)) < ROUNDING
     for number in range(done + 1, schedule.count + 1):
         run = schedule.trip(number)
@@ -55,7 +56,7 @@ def wind_duty(
         if is_designed:
             drive = drives[(number - 1) % len(drives)]
         else:
-            drive = run.design()
+            drive = design_drive(run)
         result = wind_run(
             run,
             rope,

@@ -9,7 +9,7 @@ from hoist_demo.cases.case import Case
 from hoist_demo.design.statics import at_rest
 from hoist_demo.parameters import Hoist
 from hoist_demo.parameters.quantity import Value
-from hoist_demo.run.data import build
+from hoist_demo.run.data import build_single_trip
 from hoist_demo.run.ropes import OneRope, ropes_of
 from rope_model import EndMotion, Scene, balance_rope
 from rope_model.analysis.modes import natural_modes
@@ -62,7 +62,7 @@ def ropes_at_rest(case: Case, name: str, values: Mapping[str, Value]) -> list[Ro
 
     `name` is how the hoist is found, `values` are set beside its file.
     """
-    run = build(name, values).as_single_trip()
+    run = build_single_trip(name, values)
     ropes = ropes_of(case, run, {}, case.level).ropes
     return [_at_rest(rope, case.hoist) for rope in ropes]
 

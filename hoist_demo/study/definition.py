@@ -43,7 +43,7 @@ from hoist_demo.files.values import VARIED, ParameterValue, Text, statuses, valu
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.time_series import match_signals
-from hoist_demo.run.data import RunData, build
+from hoist_demo.run.data import RunData, build_single_trip
 from hoist_demo.run.metrics import ARRIVALS, UNITS
 from hoist_demo.run.probe import Probe
 from hoist_demo.study.objective import Constraint, Judge, Objective, constraints_on, read_weights
@@ -337,8 +337,7 @@ class Study:
         fixed = self.variants[variant]
         chosen = {key: value for key, value in values.items() if key in self.design_keys}
         disturbances = {key: value for key, value in values.items() if key not in chosen}
-        run = build(self.hoist, {**fixed, **chosen}, self.signals, varied=disturbances)
-        run = run.as_single_trip()
+        run = build_single_trip(self.hoist, {**fixed, **chosen}, self.signals, varied=disturbances)
         metrics = self.objective.metrics if self.objective else {}
         of_arrival = [name for name in ARRIVALS if name in metrics]
         stopped_at = run.winding.emergency_at

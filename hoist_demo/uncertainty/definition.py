@@ -19,7 +19,7 @@ from hoist_demo.files.values import DERIVED, GIVEN, VARIED, ParameterValue, stat
 from hoist_demo.parameters import SIDES, start_heights
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
-from hoist_demo.run.data import RunData, build
+from hoist_demo.run.data import RunData, build_single_trip
 from hoist_demo.run.metrics import ROPE_SIGNALS, UNITS, names_of
 from hoist_demo.run.provenance import SourcedValue, host_provenance, rope_provenance
 from hoist_demo.run.ropes import Ropes, require_unbroken, ropes_of
@@ -254,8 +254,8 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
         """
         middle = self._drawn(self._middles)
         nominal = {name: middle[name] for name in drawn}
-        run = build(self.header.hoist, self._fixed, varied=drawn, nominal=nominal)
-        return run.as_single_trip()
+        hoist = self.header.hoist
+        return build_single_trip(hoist, self._fixed, varied=drawn, nominal=nominal)
 
     def _drawn(self, values: Mapping[str, float]) -> dict[str, Drawn]:
         """Return the values of rope and drive that follow from these of the varied data."""

@@ -21,7 +21,7 @@ from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.parameters.suspension import SuspensionOffset
-from hoist_demo.run.data import build
+from hoist_demo.run.data import build_single_trip
 from hoist_demo.run.ropes import Ropes, ropes_of
 from hoist_demo.uncertainty.definition import UncertaintyFile
 from rope_model import Scene
@@ -120,7 +120,7 @@ def of_ropes(ropes: Ropes) -> Handed:
 
 def wound(hoist: str, _: Path) -> Handed:
     return of_ropes(
-        ropes_of(find_case(hoist), build(hoist, {}).as_single_trip(), {}, find_case(hoist).level)
+        ropes_of(find_case(hoist), build_single_trip(hoist, {}), {}, find_case(hoist).level)
     )
 
 

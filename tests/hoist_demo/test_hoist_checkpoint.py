@@ -225,7 +225,7 @@ def test_a_class_that_has_changed_is_named() -> None:
 def test_each_value_that_differs_from_the_saved_run_is_named_with_both_values() -> None:
     def identity(hoist: Hoist, step: float = 0.01) -> Identity:
         rope = rope_in_process("rope-120", level="draft")
-        return Host(rope, hoist, TRIP, Coupling(step=step, sample=0.01), GAINS).identity
+        return Host(rope, hoist, TRIP, Coupling(step=step, sample=0.01), GAINS).plan.identity
 
     saved = identity(Hoist())
     # the step may change where all samples stay
