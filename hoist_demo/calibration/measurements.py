@@ -149,7 +149,7 @@ class RopePredictor:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings of the ropes at rest."""
-        texts = dict[str, None]()
+        texts: dict[str, None] = {}
         for rope in self._at_rest.values():
             texts |= dict.fromkeys(rope.warnings().values())
         return tuple(texts)
@@ -500,7 +500,7 @@ class CalibrationProblem:
         predictor = predictor or self.predictor(norm_params)
         predictor.plan(measurements)
         starts = iter(norm_params[len(self.names) :].tolist())
-        predictions = list[float]()
+        predictions: list[float] = []
         for m in measurements:
             if isinstance(m, Markers):
                 predictions += m.predict(predictor, *islice(starts, m.starts)).tolist()

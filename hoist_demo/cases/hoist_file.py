@@ -96,7 +96,7 @@ class RopeTable(table_of("rope", _rope_parameters())):  # type: ignore[misc]
 
 def _rope_values(table: RopeTable) -> dict[str, Any]:
     """Return all that a [[rope]] sets; values by FMI name."""
-    values = dict[str, Any]()
+    values: dict[str, Any] = {}
     for key, value in at_both_ends(contents(table)).items():
         of_rope = isinstance(value, ParameterValue) and "." not in key
         values[f"rope.{key}" if of_rope else key] = value
@@ -188,7 +188,7 @@ def _inherited(base: dict[str, Any], rope: dict[str, Any]) -> dict[str, Any]:
     """Return what a rope inherits from the one of `like`: nothing that decides another rope."""
     if not rope.keys() & {*_DECIDES}:
         return base
-    inherited = dict[str, Any]()
+    inherited: dict[str, Any] = {}
     for key, entry in base.items():
         of_catalogue = key.startswith("rope.") and key not in _CATALOGUE_INPUTS
         if key not in (*_DECIDES, "lay") and (not of_catalogue or key in SUSPENSION_PARAMETERS):

@@ -245,7 +245,7 @@ def _ropes(wishes: _Wishes) -> list[dict[str, ParameterValue]]:
     if lay != ALTERNATE or number == 1:
         rope = {"rope.number": ParameterValue(number), **_rope_values(wishes, lay)}
         return [rope]
-    ropes = list[dict[str, ParameterValue]]()
+    ropes: list[dict[str, ParameterValue]] = []
     for k in range(number):
         z = ROPE_DISTANCE * wishes.number("spacing") * (k - 0.5 * (number - 1))
         ropes.append(

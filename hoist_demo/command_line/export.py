@@ -228,7 +228,7 @@ def _export(options: argparse.Namespace) -> int:
 
 def _wanted(options: argparse.Namespace) -> list[_Wanted]:
     """Return the kinds of FMU to write: native ones, unless the Python flavour alone is chosen."""
-    wanted = list[_Wanted]()
+    wanted: list[_Wanted] = []
     if options.python:
         if 2 not in options.fmi:
             raise ValueError(

@@ -40,7 +40,7 @@ class Schedule(RunFile):
     @property
     def status_by_name(self) -> dict[str, str]:
         """Status of each value that is set, by name; varied if it differs between trips."""
-        status_by_name = dict[str, str]()
+        status_by_name: dict[str, str] = {}
         for values in (self.fixed, *self.trips):
             status_by_name |= statuses(values)
         runs = [values_of({**self.fixed, **trip}) for trip in self.trips]
@@ -52,7 +52,7 @@ class Schedule(RunFile):
     @cached_property
     def pattern(self) -> tuple[RunData, ...]:
         """Data of the listed trips, once each, from where the first of their cycles begins."""
-        runs = list[RunData]()
+        runs: list[RunData] = []
         with Problems() as problems:
             for k, trip in enumerate(self.trips, 1):
                 for key, entry in trip.items():

@@ -143,7 +143,7 @@ def read(
     try:
         return model.model_validate(tables, context=(*opened, path))
     except pydantic.ValidationError as error:
-        problems = list[str]()
+        problems: list[str] = []
         for one in error.errors():
             problems += _problems(_keys(model), one)
         raise FileError(path, problems) from error

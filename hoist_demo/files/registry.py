@@ -37,7 +37,7 @@ def data_of(values: Mapping[str, Value]) -> dict[str, Any]:
 
     A part of which none is given is None.
     """
-    nested = dict[str, Any]()
+    nested: dict[str, Any] = {}
     for name in filter(host_parameters().__contains__, values):
         *tables, key = name.split(".")
         reduce(lambda inner, one: inner.setdefault(one, {}), tables, nested)[key] = values[name]
@@ -54,7 +54,7 @@ def data_of(values: Mapping[str, Value]) -> dict[str, Any]:
 @cache
 def rope_parameters() -> dict[str, Parameter]:
     """Return the parameters of a rope and its surroundings by FMI name."""
-    by_name = dict[str, Parameter]()
+    by_name: dict[str, Parameter] = {}
     for p in named_parameters(Scene()):
         by_name[p.name] = Parameter(
             p.name,
@@ -80,7 +80,7 @@ def swivel_parameters() -> tuple[Parameter, ...]:
 
 def at_both_ends(values: Iterable[tuple[str, Any]]) -> dict[str, Any]:
     """Return values by name, with those of `swivels` repeated for both ends."""
-    expanded = dict[str, Any]()
+    expanded: dict[str, Any] = {}
     for key, value in sorted(values, key=lambda item: not item[0].startswith(f"{SWIVELS}.")):
         if key.startswith(f"{SWIVELS}."):
             name = key.removeprefix(f"{SWIVELS}.")

@@ -89,7 +89,7 @@ class ParameterValue:
 
 def values_of(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values without status and source, by name."""
-    values_by_name = dict[str, Any]()
+    values_by_name: dict[str, Any] = {}
     for key, entry in values.items():
         if isinstance(entry, ParameterValue):
             values_by_name[key] = entry.value

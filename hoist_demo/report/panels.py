@@ -320,7 +320,7 @@ def marks(result: Result) -> list[Mark]:
 
 def transformations(recording: Recording, names: Sequence[str] = ("",)) -> list[float]:
     """First recorded instants [s] after a transformation of a rope's mesh, in ascending order."""
-    instants = set[float]()
+    instants: set[float] = set()
     for name in names:
         rope = rope_signals(recording, name)
         if "count.transformations" in rope:
@@ -336,7 +336,7 @@ def slips(
 
     A recorded state holds until the next row.
     """
-    intervals = list[tuple[float, float]]()
+    intervals: list[tuple[float, float]] = []
     signal = f"{end}.swivel.slipping"
     for name in names:
         rope = rope_signals(recording, name)

@@ -85,7 +85,7 @@ def _rope_table(
     rope: RopeData, run: RunData, shared: Collection[str], entries: _Entries
 ) -> dict[str, ParameterValue]:
     """Return the [[rope]] table: number or name and place, break, and parameters of its own."""
-    values = dict[str, Value]()
+    values: dict[str, Value] = {}
     if rope.name:
         values["rope.name"] = rope.name
         for key, x in vars(rope.suspension).items():

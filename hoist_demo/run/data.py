@@ -72,7 +72,7 @@ class RunData(DesignTask):
 
     def host_values(self) -> dict[str, Value]:
         """Return the host's values by their names in files, without parts that are None."""
-        values = dict[str, Value]()
+        values: dict[str, Value] = {}
         for name in host_parameters():
             value: Any = self
             for part in name.split("."):
@@ -170,7 +170,7 @@ def _designed(case: Case, nominal: Mapping[str, Value]) -> Case:
 
 
 #: Swings by all that decides them: many runs of a study share one design.
-_SWINGS = dict[str, "ArrivalSwing"]()
+_SWINGS: dict[str, "ArrivalSwing"] = {}
 
 
 def _swing(case: Case, start: float) -> "ArrivalSwing":

@@ -117,7 +117,7 @@ _METRICS = table_of(
 
 def _constraints(table: Table) -> tuple[Constraint, ...]:
     """Return the bounds of [study.subject_to]; a metric may have two."""
-    bounds = list[Constraint]()
+    bounds: list[Constraint] = []
     for _, of_metric in contents(table):
         bounds += of_metric
     return tuple(bounds)
@@ -319,7 +319,7 @@ class Study:
     @property
     def status_by_name(self) -> dict[str, str]:
         """Status of each value that is set; varied if it differs between runs."""
-        status_by_key = dict[str, str]()
+        status_by_key: dict[str, str] = {}
         for values in self.variants.values():
             status_by_key |= statuses(values)
         for key in status_by_key:
@@ -418,7 +418,7 @@ def _samples(
 ) -> list[StudyRun]:
     """Return the runs of all points, those of a variant one after the other; check all of them."""
     probe = Probe(study.fmu)
-    samples = list[StudyRun]()
+    samples: list[StudyRun] = []
     every = math.ceil(len(points) * len(study.variants) / MAX_CHECKED)
     with Problems() as problems:
         for values in progress(points):

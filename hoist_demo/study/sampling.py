@@ -59,7 +59,7 @@ def latin_hypercube(ranges: Mapping[str, Range], runs: int, seed: int) -> list[d
     shares = qmc.LatinHypercube(d=len(ranges), rng=np.random.default_rng(seed)).random(runs)
     points = []
     for row in shares:
-        point = dict[str, Value]()
+        point: dict[str, Value] = {}
         for (key, interval), share in zip(ranges.items(), row, strict=True):
             point[key] = interval.at(float(share))
         points.append(point)

@@ -85,9 +85,9 @@ class RopeGroup:
         self.members = tuple(members)
         self.neighbours = neighbours
         self._conveyances: _Ends = (EndMotion(), EndMotion())
-        self._rope_ends = list[_Ends]()  # motions of the ropes' ends
+        self._rope_ends: list[_Ends] = []  # motions of the ropes' ends
         self._means: list[_Array | None] = [None] * len(names)  # mean forces of a halved step
-        self._read_means = list[Reader]()
+        self._read_means: list[Reader] = []
         if neighbours is not None:
             self._read_means = [member.rope.reader(MEANS) for member in members]
 

@@ -210,7 +210,7 @@ def _columns_in_engineering_units(
     table: pd.DataFrame, units: Mapping[str, str]
 ) -> dict[str, _Column]:
     """Return the columns that the page plots, in units with prefixes where numbers are large."""
-    columns = dict[str, _Column]()
+    columns: dict[str, _Column] = {}
     for name in map(str, table.columns):
         if name in _NO_COLUMNS:
             continue
