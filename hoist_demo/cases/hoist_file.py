@@ -54,15 +54,17 @@ from hoist_demo.files.values import (
 )
 from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.problems import Problems
-from hoist_demo.parameters.quantity import Parameter, leaves
+from hoist_demo.parameters.quantity import FileParameter, leaves
 from hoist_demo.parameters.suspension import SuspensionOffset
 from rope_model import Level
 
 SUSPENSION_KEYS = ("x_left", "x_right", "z")
 BREAK = ("breaks_at", "breaks_s")
 _BREAKS = (
-    Parameter("rope.breaks_at", "s", "Real", meaning="time of the rope's break; none without it"),
-    Parameter(
+    FileParameter(
+        "rope.breaks_at", "s", "Real", meaning="time of the rope's break; none without it"
+    ),
+    FileParameter(
         "rope.breaks_s", "m", "Real", meaning="place of the break, from the left end along the rope"
     ),
 )
@@ -73,7 +75,7 @@ _DECIDES = ("construction", "from")  #: Keys that decide for another rope.
 _CATALOGUE_INPUTS = ("rope.length", "rope.diameter")
 
 
-def _rope_parameters() -> list[Parameter]:
+def _rope_parameters() -> list[FileParameter]:
     """Return what a rope has of its own; it presses another one with the same stiffness."""
     parameters = []
     for p in (*rope_parameters().values(), *swivel_parameters()):

@@ -42,7 +42,7 @@ from hoist_demo.files.registry import parameters
 from hoist_demo.files.rope_file import RopeFile
 from hoist_demo.files.values import GIVEN
 from hoist_demo.parameters import ASSUMED_DATA
-from hoist_demo.parameters.quantity import Parameter, Value
+from hoist_demo.parameters.quantity import FileParameter, Value
 from hoist_demo.recording.ropes import computed
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.report.rows import Report, SummaryRow, render, render_verdict
@@ -378,7 +378,7 @@ def _values_of_options(options: argparse.Namespace, case: Case) -> dict[str, Val
     return values | {name: value for name, value in coupling.items() if value is not None}
 
 
-def _parameters_of(fmu: Path | None) -> dict[str, Parameter] | None:
+def _parameters_of(fmu: Path | None) -> dict[str, FileParameter] | None:
     """Return the FMU's parameters, None of a rope in this process."""
     if fmu is None:
         return None

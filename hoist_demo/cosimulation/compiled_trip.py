@@ -93,7 +93,7 @@ _INTEGRATOR_CONSTANTS = (
     "MAX_FACTOR",
     "MIN_ERROR",
     "ORDER",
-    "ROUNDING",
+    "STEP_ROUNDING",
 )
 #: Numbers of trip.c that are those of all hoists, by name.
 _NUMBERS: dict[str, float] = {

@@ -11,7 +11,7 @@ from hoist_demo.cosimulation.drive_signals import drive_row
 from hoist_demo.cosimulation.participants.hoist_partner import DriveCommand
 from hoist_demo.cosimulation.run_state import RunState
 from hoist_demo.cosimulation.schemes.interface import Vector
-from hoist_demo.cosimulation.trip_plan import ROUNDING, TripPlan
+from hoist_demo.cosimulation.trip_plan import SAMPLE_ROUNDING, TripPlan
 from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.recording.time_series import Array
 
@@ -73,7 +73,7 @@ def under_safety_circuit(plan: TripPlan, run: RunState, t: float, signals: Array
     time = run.readers.guard_time
     if tripped is None or time is None or not signals.item(tripped) > 0.0:
         return course
-    samples = max(0, math.ceil((signals.item(time) - start) / period - ROUNDING))
+    samples = max(0, math.ceil((signals.item(time) - start) / period - SAMPLE_ROUNDING))
     return course.with_emergency_stop(start + period * samples - start)
 
 

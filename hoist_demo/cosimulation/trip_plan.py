@@ -12,7 +12,9 @@ from hoist_demo.cosimulation.run_state import TripEnd
 from hoist_demo.cosimulation.schemes.interface import RopePlant, Scheme, Stopwatch
 from hoist_demo.parameters import Coupling, Hoist, Winding, start_heights
 
-ROUNDING = 1e-9  #: Part of a sample by which rounding alone may exceed a whole number of them.
+SAMPLE_ROUNDING = (
+    1e-9  #: Part of a sample by which rounding alone may exceed a whole number of them.
+)
 
 
 @dataclass(frozen=True)
@@ -87,7 +89,7 @@ class TripPlan:
     def sample_count(self) -> int:
         """Number of recorded samples in the whole run, the first not counted."""
         duration = self.trajectory.duration + self.winding.settle
-        return math.ceil(duration / self.coupling.period - ROUNDING)
+        return math.ceil(duration / self.coupling.period - SAMPLE_ROUNDING)
 
     @property
     def course(self) -> Course:

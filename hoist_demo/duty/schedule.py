@@ -22,7 +22,7 @@ from hoist_demo.run.ropes import Ropes, require_unbroken, ropes_of
 from rope_model.physics.elementary import sum_of
 
 _PAYLOADS = ("hoist.payload_left", "hoist.payload_right")
-ROUNDING = 1e-9  #: Of heights [m].
+HEIGHT_ROUNDING = 1e-9  #: Of heights [m].
 
 
 class Duty(LevelHeader):
@@ -87,7 +87,7 @@ class Schedule(RunFile):
         cycle, place = divmod(number - 1, len(self.pattern))
         run = self.pattern[place]
         moved = cycle * sum(one.winding.travel for one in self.pattern)
-        if abs(moved) < ROUNDING:
+        if abs(moved) < HEIGHT_ROUNDING:
             return run
         if number not in self._later:
             self._later[number] = self._build(self.trips[place], run.start_height + moved)
@@ -136,7 +136,7 @@ class Schedule(RunFile):
         for k in range(1, self.count + 1):
             winding = self.trip(k).winding
             end = self.landing(k)
-            if not -ROUNDING <= end <= top + ROUNDING:
+            if not -HEIGHT_ROUNDING <= end <= top + HEIGHT_ROUNDING:
                 raise ValueError(
                     f"trip {k}: winding.travel = {winding.travel:g} m leads to {end:g} m, which "
                     f"must be within 0 and hoist.shaft_travel = {top:g} m: shorten it, or let the "

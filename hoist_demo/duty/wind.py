@@ -15,7 +15,7 @@ from hoist_demo.cosimulation.run_state import Result, TripEnd
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.cosimulation.trip_plan import NeighbouringTrips
 from hoist_demo.design.controllers import design_drive
-from hoist_demo.duty.schedule import ROUNDING, Schedule
+from hoist_demo.duty.schedule import HEIGHT_ROUNDING, Schedule
 from hoist_demo.recording.incidents import guard_trip, jams
 from hoist_demo.recording.ropes import computed
 from hoist_demo.recording.time_series import Recording
@@ -49,7 +49,7 @@ def wind_duty(
     or a conveyance jams, where there is such a one.
     """
     drives = [design_drive(run) for run in schedule.pattern]
-    closed = abs(schedule.landing(len(drives)) - schedule.landing(0)) < ROUNDING
+    closed = abs(schedule.landing(len(drives)) - schedule.landing(0)) < HEIGHT_ROUNDING
     for number in range(done + 1, schedule.count + 1):
         run = schedule.trip(number)
         is_designed = closed or number <= len(drives)

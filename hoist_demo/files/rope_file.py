@@ -32,7 +32,7 @@ from hoist_demo.files.values import (
     values_of,
 )
 from hoist_demo.parameters.problems import Problems
-from hoist_demo.parameters.quantity import NONNEGATIVE, POSITIVE, Parameter
+from hoist_demo.parameters.quantity import NONNEGATIVE, POSITIVE, FileParameter
 from rope_model import Datum, KnownRope, rope
 from rope_model.catalogue import PROPERTIES, Lay
 from rope_model.texts import printable
@@ -85,7 +85,7 @@ class CatalogueQuery(Table):
 
 _BOUNDS = dict.fromkeys(PROPERTIES, POSITIVE) | {"torque_factor": NONNEGATIVE}
 _PROPERTY_TABLE = [
-    Parameter(name, p.unit, "Real", bounds=_BOUNDS[name], meaning=name)
+    FileParameter(name, p.unit, "Real", bounds=_BOUNDS[name], meaning=name)
     for name, p in PROPERTIES.items()
 ]
 Properties = Annotated[

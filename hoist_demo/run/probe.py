@@ -20,7 +20,7 @@ from rope_model import EndMotion, Level
 
 MAX_LISTED = 5  #: Differences between an FMU and a hoist that a message lists.
 #: Relative difference of two numbers that the text of a start value may leave by rounding.
-ROUNDING = 1e-12
+TEXT_ROUNDING = 1e-12
 
 
 class Probe:
@@ -105,7 +105,7 @@ def _differing(starts: Mapping[str, Value | None], scene: Mapping[str, Value]) -
 
 def _is_equal(one: Value, other: Value) -> bool:
     if isinstance(one, float) and isinstance(other, int | float):
-        return math.isclose(one, other, rel_tol=ROUNDING)
+        return math.isclose(one, other, rel_tol=TEXT_ROUNDING)
     return one == other
 
 

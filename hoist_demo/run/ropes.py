@@ -16,7 +16,7 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.participants.rope_group import (
     CONTACT_ENERGIES,
     SUMS,
-    Member,
+    GroupedRope,
     RopeGroup,
     WholeRope,
 )
@@ -93,7 +93,7 @@ class Ropes:
         """Plant that stands for all ropes."""
         if not self.case.distinct_ropes:
             return self.ropes[0].plant
-        group = [Member(rope.name, rope.plant, rope.suspension) for rope in self.ropes]
+        group = [GroupedRope(rope.name, rope.plant, rope.suspension) for rope in self.ropes]
         if not self.touching:
             return RopeGroup(group)
         neighbours = Neighbours(

@@ -41,7 +41,7 @@ from hoist_demo.files.reading import (
 from hoist_demo.files.registry import parameters, run_fields
 from hoist_demo.files.values import VARIED, ParameterValue, Text, statuses, values_of
 from hoist_demo.parameters.problems import Problems
-from hoist_demo.parameters.quantity import Parameter, Value
+from hoist_demo.parameters.quantity import FileParameter, Value
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.run.data import RunData, build_single_trip
 from hoist_demo.run.metrics import ARRIVALS, UNITS
@@ -110,7 +110,7 @@ class Tune(Table):
 
 _METRICS = table_of(
     "subject_to",
-    [Parameter(f"subject_to.{metric}", unit, "Real") for metric, unit in UNITS.items()],
+    [FileParameter(f"subject_to.{metric}", unit, "Real") for metric, unit in UNITS.items()],
     constraints_on,
 )
 

@@ -49,7 +49,7 @@ class WholeRope(RopePlant, Protocol):
 
 
 @dataclass(frozen=True)
-class Member:
+class GroupedRope:
     """One rope of a group, with its name and suspension."""
 
     name: str
@@ -75,7 +75,9 @@ class GroupSnapshot(NamedTuple):
 class RopeGroup:
     """A RopePlant of several; signals of a member begin with its name."""
 
-    def __init__(self, members: Sequence[Member], neighbours: Neighbours | None = None) -> None:
+    def __init__(
+        self, members: Sequence[GroupedRope], neighbours: Neighbours | None = None
+    ) -> None:
         """With `neighbours` the members, each a WholeRope, press each other."""
         names = [member.name for member in members]
         if not names or len({*names}) < len(names):
