@@ -12,7 +12,7 @@ from hoist_demo.parameters.quantity import Value
 from hoist_demo.run.data import build_single_trip
 from hoist_demo.run.ropes import OneRope, ropes_of
 from rope_model import EndMotion, Scene, balance_rope
-from rope_model.analysis.modes import natural_modes
+from rope_model.analysis.modes import NoModesError, natural_modes
 from rope_model.engine import NativeRope
 
 MODES = 4  #: Number of the rope's lowest modes.
@@ -75,7 +75,7 @@ def _at_rest(rope: OneRope, hoist: Hoist) -> RopeAtRest:
     no_modes = ""
     try:
         modes = _lowest_modes(rope.scene, hoist.shaft_travel)
-    except ValueError as error:
+    except NoModesError as error:
         no_modes = str(error)
     return RopeAtRest(
         rope,
@@ -90,12 +90,12 @@ def _at_rest(rope: OneRope, hoist: Hoist) -> RopeAtRest:
 
 
 def _lowest_modes(scene: Scene, travel: float) -> tuple[Mode, ...]:
-    """Return the lowest modes in the middle of the trip; ValueError where the rope has none."""
+    """Return the lowest modes in the middle of the trip; NoModesError where the rope has none."""
     # a rope that is computed as rigid or planar swings out of its plane too
     rope = NativeRope(scene.with_(model=replace(scene.model, fidelity="torsional")))
     status = rope.initialize(0.0, EndMotion(y=0.5 * travel), EndMotion(y=0.5 * travel))
     if not status.valid:
-        raise ValueError(status.message)
+        raise NoModesError(status.message)
     modes = natural_modes(rope, MODES)
     return tuple(
         Mode(float(frequency), bool(out_of_plane > _MOSTLY))
