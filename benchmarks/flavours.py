@@ -13,11 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
-from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.progress import progress_bar
+from hoist_demo.design.controllers import design_drive
 from hoist_demo.recording.time_series import Recording
-from hoist_demo.run.data import build
+from hoist_demo.run.data import build_single_trip
+from hoist_demo.run.wind import wind_run
 from rope_model.cases import ROPE_CASES, Level
 from rope_model.scene_names import Value, choices_of, named_parameters
 
@@ -46,21 +47,13 @@ def settings() -> Mapping[str, Value]:
 
 def wound(fmu: Path) -> tuple[Recording, float]:
     """Return the record of the trip with this FMU, and the time that it took (s)."""
-    run = build(HOIST, {}).as_single_trip()
-    design = run.design()
+    run = build_single_trip(HOIST, {})
+    drive = design_drive(run)
     rope = FmuRope(fmu, {**run.rope_values, **settings()}, COMPARED)
     start = time.perf_counter()
     try:
-        host = Host(
-            rope,
-            run.hoist,
-            run.winding,
-            run.coupling,
-            design.gains,
-            trajectory=design.trajectory,
-        )
         with progress_bar() as progress:
-            result = host.run(progress)
+            result = wind_run(run, rope, progress, drive)
     finally:
         rope.close()
     if not result.completed:

@@ -13,7 +13,7 @@ import time
 from itertools import product
 from pathlib import Path
 
-from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.compiled_trip import CompiledTrip
 from hoist_demo.study.cluster import cluster, run_samples
 from hoist_demo.study.definition import Study, read_study
 from hoist_demo.study.store import Store
@@ -60,7 +60,7 @@ def wind(study: Study, folder: Path, workers: int, in_python: bool) -> float:
     """Return windings per minute, after a run that warms every worker."""
     with cluster(workers, None) as client:
         if in_python:
-            client.run(setattr, Host, "_compiled", lambda self, run: None)
+            client.run(setattr, CompiledTrip, "for_run", lambda plan, run, max_samples: None)
         run_samples(client, study, study.samples[-workers:], Store(folder / "warm"))
         begin = time.perf_counter()
         keys = run_samples(client, study, study.samples, Store(folder / "timed"))

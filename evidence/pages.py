@@ -29,7 +29,7 @@ from evidence.tables import Tables, read
 from evidence.validation.page import page as validation_page
 from hoist_demo.cases.rules import LENGTH, RULES
 from hoist_demo.files.registry import host_parameters
-from hoist_demo.parameters.quantity import UNBOUNDED, Parameter
+from hoist_demo.parameters.quantity import UNBOUNDED, FileParameter
 from hoist_demo.run.metrics import METRICS
 
 #: front matter of a page outside the navigation
@@ -118,7 +118,7 @@ def host(tables: Tables) -> str:
     return markdown(_both(rows), "key", "unit", "default", "bounds", "meaning")
 
 
-def _default(p: Parameter) -> str:
+def _default(p: FileParameter) -> str:
     """Return the value of a key that the file leaves out, in words."""
     if p.name in RULED:
         return "by rule"

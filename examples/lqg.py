@@ -13,11 +13,10 @@ import numpy as np
 from scipy.linalg import expm, solve, solve_continuous_are
 
 from hoist_demo.cases.table import find_case
-from hoist_demo.control.controller import Command, Measurement
+from hoist_demo.control.controller import Command, ControllerFactory, Measurement
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
-from hoist_demo.cosimulation.sampling import ControllerFactory
 from hoist_demo.design.linearise import linearise
 from hoist_demo.design.reduction import reduced
 from hoist_demo.parameters import Hoist

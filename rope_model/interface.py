@@ -12,7 +12,7 @@ from rope_model.boundary.end_paths import EndMotion
 from rope_model.boundary.point_forces import PointForces
 from rope_model.fidelity.choice import Fidelity
 from rope_model.parameters import Scene
-from rope_model.saved_state import changed_parameters, labelled
+from rope_model.saved_state import changed_fixed_parameters, labelled
 from rope_model.signals.signal_table import checked_names
 from rope_model.state import RopeState
 
@@ -245,7 +245,7 @@ class BalanceRope(ABC):
         ValueError
             If anything else of the scene differs; nothing changes then.
         """
-        for old, new in changed_parameters(self.scene, scene):
+        for old, new in changed_fixed_parameters(self.scene, scene):
             raise ValueError(
                 f"{old.name} = {new.value:g} must stay {old.value:g} during a run: make a new rope"
             )

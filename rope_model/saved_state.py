@@ -14,7 +14,9 @@ _MAGIC = b"balance rope state "
 _SHOWN = 3  #: parameters in a message: the first lead to the cause
 
 
-def changed_parameters(old: Scene, new: Scene) -> Iterator[tuple[NamedParameter, NamedParameter]]:
+def changed_fixed_parameters(
+    old: Scene, new: Scene
+) -> Iterator[tuple[NamedParameter, NamedParameter]]:
     """Yield the parameters, old and new, that differ and must not change during a run."""
     for before, after in zip(named_parameters(old), named_parameters(new), strict=True):
         if before.value != after.value and not before.facts.tunable:
@@ -55,7 +57,7 @@ def state_behind_label(data: bytes, form: str, scene: Scene) -> bytes:
 def require_same_rope(saved: Scene, scene: Scene) -> None:
     """Raise ValueError if a state of a rope with the data ``saved`` does not belong to ``scene``."""
     if saved is not scene:
-        changes = changed_parameters(saved, scene)
+        changes = changed_fixed_parameters(saved, scene)
         _require_same({before.name: (before.value, after.value) for before, after in changes})
 
 

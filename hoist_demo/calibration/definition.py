@@ -22,7 +22,7 @@ from hoist_demo.files.registry import group_table, rope_parameters
 from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.files.values import ParameterValue, statuses, unreached, value_type, values_of
 from hoist_demo.parameters.problems import Problems
-from hoist_demo.parameters.quantity import Parameter
+from hoist_demo.parameters.quantity import FileParameter
 from rope_model import Datum
 
 _FIDELITY = "model.fidelity"
@@ -37,7 +37,7 @@ class Wanted(Table):
     right_y: float = Field(0.0, allow_inf_nan=False)  # m
 
 
-def _sought(parameter: Parameter) -> Any:
+def _sought(parameter: FileParameter) -> Any:
     """Return the type of a parameter that is looked for."""
 
     def checked(entry: ParameterValue) -> ParameterValue:

@@ -314,7 +314,7 @@ def _root_of_increase(residuals: Residuals, best_fit: Fit, k: int, step: Array) 
     prior = best_fit.prior_rows @ (best_fit.norm_params - MIDDLE)
     smallest_sum = float(best_fit.residuals @ best_fit.residuals + prior @ prior)
     norm_params = np.clip(best_fit.norm_params + step, 0.0, 1.0)
-    squares = list[float]()
+    squares: list[float] = []
     for _ in range(CORRECTIONS + 1):
         r = _all(residuals, best_fit.prior_rows, norm_params)
         squares.append(float(r @ r))

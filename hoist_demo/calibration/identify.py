@@ -83,7 +83,7 @@ class CalibrationResult:
 
     def open_directions(self) -> list[str]:
         """List the properties of each direction that the data leave open, equal sets once."""
-        sets = dict[str, None]()
+        sets: dict[str, None] = {}
         for direction in self.fit.undetermined_directions():
             parts = zip(self.names, direction, strict=True)
             names = [name for name, part in parts if abs(part) > MIN_COMPONENT]
@@ -144,7 +144,7 @@ def identify(
     )
     gradient = rows[0]
     covariance = properties_fit.covariance
-    ranked = list[Candidate]()
+    ranked: list[Candidate] = []
     for m, row in zip(possible, rows[1:], strict=True):
         after = with_measurement(covariance, row / m.sigma)
         ranked.append(Candidate(m, error_of(after, gradient)))
@@ -167,8 +167,8 @@ def identify(
 
 def stacked(measurements: Measurements) -> tuple[Array, Array]:
     """Stack all values and their standard errors, each (m,)."""
-    values = list[float]()
-    sigmas = list[float]()
+    values: list[float] = []
+    sigmas: list[float] = []
     for m in measurements:
         values += [*m.values]
         sigmas += [m.sigma] * len(m.values)

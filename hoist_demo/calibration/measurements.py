@@ -47,7 +47,7 @@ MODES = 14  #: Modes among which those of one plane are looked for.
 
 
 @dataclass(frozen=True)
-class Trip:
+class MeasuredTrip:
     """Trip in which the left end rises from rest; the right end falls."""
 
     left_y: float  # m, at the start
@@ -84,8 +84,8 @@ class RopePredictor:
         self.scene = scene.with_(model=replace(scene.model, fidelity=FIDELITY))
         self._at_rest: dict[tuple[float, float], rope_model.BalanceRope] = {}
         self._modes: dict[tuple[float, float], Modes] = {}
-        self._readings: dict[Trip, TripReadings] = {}
-        self._wound: dict[Trip, dict[float, dict[str, float]]] = {}
+        self._readings: dict[MeasuredTrip, TripReadings] = {}
+        self._wound: dict[MeasuredTrip, dict[float, dict[str, float]]] = {}
         self.windings = 0  #: number of trips wound and of files of motion followed
 
     def plan(self, measurements: Iterable["AnyRopeMeasurement"]) -> None:
@@ -112,13 +112,13 @@ class RopePredictor:
             self._at_rest[left, right] = rope
         return self._at_rest[left, right].signals([name])[name]
 
-    def track(self, trip: Trip, signal: str, times: Iterable[float]) -> list[float]:
+    def track(self, trip: MeasuredTrip, signal: str, times: Iterable[float]) -> list[float]:
         """Return an output at these times [s] of a planned trip; the first call winds it."""
         if trip not in self._wound:
             self._wound[trip] = self._wind(trip, self._readings[trip])
         return [self._wound[trip][t][signal] for t in times]
 
-    def _wind(self, trip: Trip, readings: TripReadings) -> dict[float, dict[str, float]]:
+    def _wind(self, trip: MeasuredTrip, readings: TripReadings) -> dict[float, dict[str, float]]:
         """Return all outputs of the readings by time [s]."""
         self.windings += 1
         names = sorted(readings.signals)
@@ -149,7 +149,7 @@ class RopePredictor:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings of the ropes at rest."""
-        texts = dict[str, None]()
+        texts: dict[str, None] = {}
         for rope in self._at_rest.values():
             texts |= dict.fromkeys(rope.warnings().values())
         return tuple(texts)
@@ -378,7 +378,7 @@ class Track(InShaft):
             after.append((left, right, difference + 2 * travel))
         return [*before, *after]
 
-    def readings(self) -> list[tuple[Trip, tuple[float, ...]]]:
+    def readings(self) -> list[tuple[MeasuredTrip, tuple[float, ...]]]:
         """Return trip and times [s], to the millisecond, of each value."""
         trips = self._trips()
         return [(trip, (round(t, 3),)) for trip, (t,) in zip(trips, self.each("t"), strict=True)]
@@ -386,9 +386,9 @@ class Track(InShaft):
     def predict(self, predictor: RopePredictor) -> Sequence[float]:
         return [predictor.track(trip, self.signal, times)[0] for trip, times in self.readings()]
 
-    def _trips(self) -> list[Trip]:
+    def _trips(self) -> list[MeasuredTrip]:
         return [
-            Trip(*one)
+            MeasuredTrip(*one)
             for one in self.each("left_y", "right_y", "travel", "speed", "acceleration", "jerk")
         ]
 
@@ -406,7 +406,7 @@ class Swept(Track):
     values: Series[Annotated[float, Field(ge=0.0, allow_inf_nan=False)]] = Field(alias="value")
     until: Series[Time]  # s
 
-    def readings(self) -> list[tuple[Trip, tuple[float, ...]]]:
+    def readings(self) -> list[tuple[MeasuredTrip, tuple[float, ...]]]:
         readings = []
         for trip, (start, until) in zip(self._trips(), self.each("t", "until"), strict=True):
             window = np.linspace(start, until, math.ceil((until - start) / SAMPLE) + 1)
@@ -500,7 +500,7 @@ class CalibrationProblem:
         predictor = predictor or self.predictor(norm_params)
         predictor.plan(measurements)
         starts = iter(norm_params[len(self.names) :].tolist())
-        predictions = list[float]()
+        predictions: list[float] = []
         for m in measurements:
             if isinstance(m, Markers):
                 predictions += m.predict(predictor, *islice(starts, m.starts)).tolist()

@@ -258,7 +258,7 @@ def _read(path: Path, track: Markers) -> _Frames:
     names = columns.dtype.names or ()
 
     def vectors(points: Sequence[str], prefix: str = "", unit: float = 1.0) -> Array:
-        wanted = list[str]()
+        wanted: list[str] = []
         for point in points:
             wanted += [f"{point}.{prefix}{axis}" for axis in "xyz"]
         for column in wanted:

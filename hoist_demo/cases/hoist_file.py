@@ -54,15 +54,17 @@ from hoist_demo.files.values import (
 )
 from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.problems import Problems
-from hoist_demo.parameters.quantity import Parameter, leaves
+from hoist_demo.parameters.quantity import FileParameter, leaves
 from hoist_demo.parameters.suspension import SuspensionOffset
 from rope_model import Level
 
 SUSPENSION_KEYS = ("x_left", "x_right", "z")
 BREAK = ("breaks_at", "breaks_s")
 _BREAKS = (
-    Parameter("rope.breaks_at", "s", "Real", meaning="time of the rope's break; none without it"),
-    Parameter(
+    FileParameter(
+        "rope.breaks_at", "s", "Real", meaning="time of the rope's break; none without it"
+    ),
+    FileParameter(
         "rope.breaks_s", "m", "Real", meaning="place of the break, from the left end along the rope"
     ),
 )
@@ -73,7 +75,7 @@ _DECIDES = ("construction", "from")  #: Keys that decide for another rope.
 _CATALOGUE_INPUTS = ("rope.length", "rope.diameter")
 
 
-def _rope_parameters() -> list[Parameter]:
+def _rope_parameters() -> list[FileParameter]:
     """Return what a rope has of its own; it presses another one with the same stiffness."""
     parameters = []
     for p in (*rope_parameters().values(), *swivel_parameters()):
@@ -96,7 +98,7 @@ class RopeTable(table_of("rope", _rope_parameters())):  # type: ignore[misc]
 
 def _rope_values(table: RopeTable) -> dict[str, Any]:
     """Return all that a [[rope]] sets; values by FMI name."""
-    values = dict[str, Any]()
+    values: dict[str, Any] = {}
     for key, value in at_both_ends(contents(table)).items():
         of_rope = isinstance(value, ParameterValue) and "." not in key
         values[f"rope.{key}" if of_rope else key] = value
@@ -188,7 +190,7 @@ def _inherited(base: dict[str, Any], rope: dict[str, Any]) -> dict[str, Any]:
     """Return what a rope inherits from the one of `like`: nothing that decides another rope."""
     if not rope.keys() & {*_DECIDES}:
         return base
-    inherited = dict[str, Any]()
+    inherited: dict[str, Any] = {}
     for key, entry in base.items():
         of_catalogue = key.startswith("rope.") and key not in _CATALOGUE_INPUTS
         if key not in (*_DECIDES, "lay") and (not of_catalogue or key in SUSPENSION_PARAMETERS):

@@ -20,7 +20,7 @@ from hoist_demo.cases.writing import hoist_text
 from hoist_demo.files.registry import data_of
 from hoist_demo.files.values import ASSUMED, DERIVED, ParameterValue, ParameterValues, values_of
 from hoist_demo.parameters import GRAVITY, hoist_with
-from hoist_demo.parameters.quantity import Bounds, Parameter, Value
+from hoist_demo.parameters.quantity import FileParameter, NumberRange, Value
 from rope_model import rope as catalogue_rope
 
 # All [assumed]; the file states each beside the value that follows from it.
@@ -46,25 +46,33 @@ ALTERNATE = "alternate"  #: Lay of ropes that alternate, so that their torques c
 LAYS = (*HANDS, ALTERNATE)
 #: Inputs for a new hoist; those without a start are required, but for the conveyance's mass.
 WISHES = (
-    Parameter("depth", "m", "Real", "", Bounds(1.0, 4000.0), meaning="way between the landings"),
-    Parameter("payload", "kg", "Real", "", Bounds(1.0), meaning="in the left conveyance"),
-    Parameter("speed", "m/s", "Real", "", Bounds(0.1, 30.0), meaning="limit of the trip"),
-    Parameter(
+    FileParameter(
+        "depth", "m", "Real", "", NumberRange(1.0, 4000.0), meaning="way between the landings"
+    ),
+    FileParameter("payload", "kg", "Real", "", NumberRange(1.0), meaning="in the left conveyance"),
+    FileParameter("speed", "m/s", "Real", "", NumberRange(0.1, 30.0), meaning="limit of the trip"),
+    FileParameter(
         "conveyance",
         "kg",
         "Real",
         0.0,
-        Bounds(1.0),
+        NumberRange(1.0),
         meaning=f"each, with its attachments; {CONVEYANCE_MASS:g} of the payload",
     ),
-    Parameter("head-ropes", "1", "Integer", 4, Bounds(1, 20), meaning="head ropes"),
-    Parameter("ropes", "1", "Integer", 1, Bounds(1, 20), meaning="balance ropes"),
-    Parameter("rope", "1", "String", "34x7", meaning="the catalogue's construction"),
-    Parameter("diameter", "m", "Real", 0.044, Bounds(1e-3, 1.0), meaning="of a balance rope"),
-    Parameter("lay", "1", "String", "right-hand", choices=LAYS, meaning="of the balance ropes"),
-    Parameter("acceleration", "m/s2", "Real", 0.8, Bounds(0.01), meaning="limit of the trip"),
-    Parameter("jerk", "m/s3", "Real", 0.5, Bounds(0.01), meaning="limit of the trip"),
-    Parameter("spacing", "m", "Real", 2.4, Bounds(0.01), meaning="between the rope's two ends"),
+    FileParameter("head-ropes", "1", "Integer", 4, NumberRange(1, 20), meaning="head ropes"),
+    FileParameter("ropes", "1", "Integer", 1, NumberRange(1, 20), meaning="balance ropes"),
+    FileParameter("rope", "1", "String", "34x7", meaning="the catalogue's construction"),
+    FileParameter(
+        "diameter", "m", "Real", 0.044, NumberRange(1e-3, 1.0), meaning="of a balance rope"
+    ),
+    FileParameter("lay", "1", "String", "right-hand", choices=LAYS, meaning="of the balance ropes"),
+    FileParameter(
+        "acceleration", "m/s2", "Real", 0.8, NumberRange(0.01), meaning="limit of the trip"
+    ),
+    FileParameter("jerk", "m/s3", "Real", 0.5, NumberRange(0.01), meaning="limit of the trip"),
+    FileParameter(
+        "spacing", "m", "Real", 2.4, NumberRange(0.01), meaning="between the rope's two ends"
+    ),
 )
 
 
@@ -245,7 +253,7 @@ def _ropes(wishes: _Wishes) -> list[dict[str, ParameterValue]]:
     if lay != ALTERNATE or number == 1:
         rope = {"rope.number": ParameterValue(number), **_rope_values(wishes, lay)}
         return [rope]
-    ropes = list[dict[str, ParameterValue]]()
+    ropes: list[dict[str, ParameterValue]] = []
     for k in range(number):
         z = ROPE_DISTANCE * wishes.number("spacing") * (k - 0.5 * (number - 1))
         ropes.append(

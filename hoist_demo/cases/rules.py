@@ -126,7 +126,7 @@ def apply_rules(
     sections = data_of(values_of(host))
     inputs = RuleInputs(sections["hoist"], sections["winding"], Hoist())
     length = ParameterValue(LENGTH.value(inputs), DERIVED, LENGTH.expression, follows=True)
-    filled = list[BalanceRopeData]()
+    filled: list[BalanceRopeData] = []
     with Problems() as problems:
         for k, rope in enumerate(ropes, 1):
             with problems.at(f"rope {k}"):
@@ -153,8 +153,8 @@ def apply_rules(
                 raise ValueError(f"{section}: {error}") from error
     require_trip_fits(sections["hoist"], sections["winding"])
     # each line once, whatever the number of ropes that share it
-    remarks_once = dict[str, None]()
-    notes_once = dict[str, None]()
+    remarks_once: dict[str, None] = {}
+    notes_once: dict[str, None] = {}
     for rope in ropes:
         remarks_once |= dict.fromkeys(remarks(values_of({**host, **rope.values})))
         notes_once |= dict.fromkeys(notes(sections["hoist"], rope))
@@ -226,8 +226,8 @@ def with_values(case: Case, values: Mapping[str, Value | ParameterValue]) -> Cas
     """Return the hoist with values as if they stood in its file; derived values follow anew."""
     if not values:
         return case
-    of_host = dict[str, ParameterValue]()
-    of_rope = dict[str, ParameterValue]()
+    of_host: dict[str, ParameterValue] = {}
+    of_rope: dict[str, ParameterValue] = {}
     for key, value in values.items():
         if isinstance(value, ParameterValue):
             entry = value

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from hoist_demo.cases.hoist_file import SUSPENSION_PARAMETERS
 from hoist_demo.files.registry import host_parameters, rope_parameters
 from hoist_demo.files.values import GIVEN, ParameterValue, ParameterValues
-from hoist_demo.parameters.quantity import Parameter
+from hoist_demo.parameters.quantity import FileParameter
 from rope_model.texts import printable, toml_string
 
 _PARAMETERS = {**SUSPENSION_PARAMETERS, **host_parameters(), **rope_parameters()}
@@ -51,7 +51,9 @@ def _place(name: str) -> int:
 
 def _line(name: str, key: str, entry: ParameterValue) -> str:
     within = name.replace("rope.swivels.", "left.swivel.").removeprefix("rope.")
-    parameter = _PARAMETERS.get(name) or _PARAMETERS.get(within) or Parameter(name, "1", "String")
+    parameter = (
+        _PARAMETERS.get(name) or _PARAMETERS.get(within) or FileParameter(name, "1", "String")
+    )
     meaning = parameter.meaning.replace("[assumed]", "").replace("{side} ", "").strip(" ;,")
     notes = "; ".join(filter(None, (meaning, entry.source)))
     quoted = re.sub(r"\w+\[\d+\]", r'"\g<0>"', key)  # TOML has brackets in quotes only
@@ -59,7 +61,7 @@ def _line(name: str, key: str, entry: ParameterValue) -> str:
     return f"{line}  # {printable(notes)}" if notes else line
 
 
-def _value(parameter: Parameter, entry: ParameterValue) -> str:
+def _value(parameter: FileParameter, entry: ParameterValue) -> str:
     value = entry.value
     if parameter.choices and type(value) is int:
         value = parameter.choices[value]

@@ -7,7 +7,7 @@ import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -39,6 +39,7 @@ from hoist_demo.report.summary import exposure_rows
 from hoist_demo.report.verdict import outcome
 
 if TYPE_CHECKING:
+    from hoist_demo.cosimulation.participants.rope_data import RopeData
     from hoist_demo.cosimulation.run_state import Result
     from hoist_demo.duty.schedule import Schedule
     from hoist_demo.duty.wind import WoundTrip
@@ -66,7 +67,7 @@ interrupted.
 
 def add_duty(duty: argparse.ArgumentParser) -> None:
     """Add description and options of the command `duty`."""
-    describe(duty, _duty, _DESCRIPTION, _EPILOG)
+    describe(duty, _duty_command, _DESCRIPTION, _EPILOG)
     duty.add_argument(
         "schedule",
         type=Path,
@@ -81,78 +82,53 @@ def add_duty(duty: argparse.ArgumentParser) -> None:
     add_results(duty, "duty")
 
 
-def _duty(options: argparse.Namespace) -> int:
+class _WoundDuty(NamedTuple):
+    """Trips of a duty: those of earlier runs of the command, and those that were wound now."""
+
+    trips: Recording | None  # table of all of them; None for none
+    last: WoundTrip | None  # that was wound now
+    warnings: Sequence[Sequence[str]]  # of each trip that was wound now
+
+
+def _duty_command(options: argparse.Namespace) -> int:
+    """Read the schedule, wind the trips that are left, and write and print what is found."""
     from hoist_demo.duty.schedule import read_schedule
     from hoist_demo.duty.table import READ
     from hoist_demo.report.rows import status_rows
-    from hoist_demo.run.data import contradictions
     from hoist_demo.run.provenance import host_provenance, write_data
-    from hoist_demo.uncertainty.spread import remarks_of
 
     schedule = read_schedule(options.schedule, options.repeat)
     if options.check:
         print(f"{options.schedule}: {schedule.count} trips; {CHECKED}; {HOIST_UNCHECKED}")
         return 0
-    read = READ.union(STATION_SIGNALS if options.exposure else ())
-    ropes = schedule.ropes(read)
+    ropes = schedule.ropes(READ.union(STATION_SIGNALS if options.exposure else ()))
     out = results_folder(options.out or Path("out") / "duty" / options.schedule.stem)
     with interruption() as interrupted:
-        trips, last, of_trips = _wind(schedule, ropes, out / STATE, interrupted, options.exposure)
+        wound = _wind_left(schedule, ropes, out / STATE, interrupted, options.exposure)
+    trips = wound.trips
     if trips is None:
         print("balance-rope: interrupted before the first trip's end", file=sys.stderr)
         return INTERRUPTED
-    exposures = dict[str, Recording]()
-    for rope in ropes.data():
-        table = _exposure_of_trips(trips, rope.prefix)
-        if table is not None:
-            exposures[rope.prefix] = table
-    run = schedule.pattern[0]
-    status = schedule.status_by_name
-    header = schedule.header
-    data = [*host_provenance(run, status), *ropes.provenance(status)]
+    exposures = _exposures(trips, ropes)
+    data = [
+        *host_provenance(schedule.pattern[0], schedule.status_by_name),
+        *ropes.provenance(schedule.status_by_name),
+    ]
     written = [*_write(trips, exposures, out), write_data(data, out / "data.csv")]
-    print(
-        f"{header.title}: hoist {header.hoist}, level {schedule.level}, {trips['trip'].size} "
-        "trips\n"
-    )
-    warnings = list[str]()
-    if not ropes.case.distinct_ropes:
-        warnings.append(contradictions(run.hoist, ropes.data()[0].parameters))
-    if last is None:
-        recording = _present_signals(ropes)
-    else:
-        recording = last.result.recording
-    for rope in ropes.data():
-        warnings.append(remark(rope_signals(recording, rope.name)))
-    for text, count in remarks_of(of_trips).items():
-        warnings.append(f"{text} ({count} of {len(of_trips)} trips)")
-    warnings = [*filter(None, dict.fromkeys(warnings))]
-    rows = _summary(trips, last, len(schedule.pattern), warnings)
+    rows = _summary(trips, wound.last, len(schedule.pattern), _warnings(schedule, ropes, wound))
     for prefix, table in exposures.items():
         rows += exposure_rows(prefix.rstrip("."), table)
-    print(render([*rows, *status_rows(data)]))
-    print(f"\n{ASSUMED_DATA}\n")
-    print("written: " + ", ".join(str(path) for path in written))
+    _print(schedule, trips, [*rows, *status_rows(data)], written)
     if interrupted():
         print("balance-rope: interrupted; the same command goes on", file=sys.stderr)
         return INTERRUPTED
-    count = trips["trip"].size
-    if count < schedule.count or (last is not None and last.result.end is None):
-        cause = ""
-        if last is not None:
-            cause = last.result.cause or _ended(last.result).removeprefix("completed; ")
-        print(f"balance-rope: the duty ends with trip {count}: {cause}", file=sys.stderr)
-        return 1
-    return 0
+    return _exit_code(schedule, trips, wound.last)
 
 
-def _wind(
+def _wind_left(
     schedule: Schedule, ropes: Ropes, state: Path, interrupted: Callable[[], bool], counted: bool
-) -> tuple[Recording | None, WoundTrip | None, list[list[str]]]:
-    """Wind those left.
-
-    Return the table of all trips, None for none, the last wound here, and warnings.
-    """
+) -> _WoundDuty:
+    """Wind the trips that are left, and save the state after each; `counted`: with exposure."""
     from hoist_demo.duty.table import landing_warnings, place_at_rest, trip_row, trip_table
     from hoist_demo.duty.wind import read_state, wind_duty, write_state
     from hoist_demo.run.slip import slip_warnings
@@ -162,8 +138,8 @@ def _wind(
     identities = ropes.data()
     rest = place_at_rest(schedule, rope, [one.name for one in identities])
     station = f"{identities[0].prefix}{_STATION}"
-    rows = list[dict[str, float]]()
-    warnings = list[list[str]]()
+    rows: list[dict[str, float]] = []
+    warnings: list[list[str]] = []
     after = last = None
     if state.is_file():
         saved_rows, after = read_state(state, rope, schedule)
@@ -184,19 +160,83 @@ def _wind(
             if interrupted() and trip.result.end is None:
                 break
             last = trip
-            row = trip_row(trip, rest)
-            for one in identities:
-                signals = rope_signals(trip.result.recording, one.name)
-                table = exposure(signals, one.parameters)
-                if table is not None:
-                    for name, value in flatten(table).items():
-                        row[f"{one.prefix}{name}"] = value
+            row = trip_row(trip, rest) | _exposure_columns(trip, identities)
             rows.append(row)
             slip = slip_warnings(trip.result, trip.data.hoist)
             warnings.append([*slip, *landing_warnings(row, trip.data)])
             if trip.result.end is not None:
                 write_state(state, trip_table(rows, cycle), trip.result.end, rope, schedule)
-    return (trip_table(rows, cycle) if rows else None), last, warnings
+    trips = None
+    if rows:
+        trips = trip_table(rows, cycle)
+    return _WoundDuty(trips, last, warnings)
+
+
+def _exposure_columns(trip: WoundTrip, ropes: Sequence[RopeData]) -> dict[str, float]:
+    """Return the load history of each place in the ropes in one trip, as columns of its row."""
+    columns: dict[str, float] = {}
+    for rope in ropes:
+        table = exposure(rope_signals(trip.result.recording, rope.name), rope.parameters)
+        if table is not None:
+            for name, value in flatten(table).items():
+                columns[f"{rope.prefix}{name}"] = value
+    return columns
+
+
+def _exposures(trips: Recording, ropes: Ropes) -> dict[str, Recording]:
+    """Return the load histories of the ropes in all trips, by the prefix of each rope's names."""
+    exposures: dict[str, Recording] = {}
+    for rope in ropes.data():
+        table = _exposure_of_trips(trips, rope.prefix)
+        if table is not None:
+            exposures[rope.prefix] = table
+    return exposures
+
+
+def _warnings(schedule: Schedule, ropes: Ropes, wound: _WoundDuty) -> list[str]:
+    """Return the warnings of a duty, each once: on its data, on its ropes, and on its trips."""
+    from hoist_demo.run.data import contradictions
+    from hoist_demo.uncertainty.spread import remarks_of
+
+    warnings: list[str] = []
+    if not ropes.case.distinct_ropes:
+        hoist = schedule.pattern[0].hoist
+        warnings.append(contradictions(hoist, ropes.data()[0].parameters))
+    if wound.last is None:
+        recording = _present_signals(ropes)
+    else:
+        recording = wound.last.result.recording
+    for rope in ropes.data():
+        warnings.append(remark(rope_signals(recording, rope.name)))
+    for text, count in remarks_of(wound.warnings).items():
+        warnings.append(f"{text} ({count} of {len(wound.warnings)} trips)")
+    return [*filter(None, dict.fromkeys(warnings))]
+
+
+def _print(
+    schedule: Schedule, trips: Recording, rows: Sequence[SummaryRow], written: Sequence[Path]
+) -> None:
+    """Print the title, the rows of the summary, and the files."""
+    header = schedule.header
+    print(
+        f"{header.title}: hoist {header.hoist}, level {schedule.level}, {trips['trip'].size} "
+        "trips\n"
+    )
+    print(render(rows))
+    print(f"\n{ASSUMED_DATA}\n")
+    print("written: " + ", ".join(str(path) for path in written))
+
+
+def _exit_code(schedule: Schedule, trips: Recording, last: WoundTrip | None) -> int:
+    """Return 0 if all trips were wound to their end, else 1, and print why the last one was not."""
+    count = trips["trip"].size
+    if count == schedule.count and (last is None or last.result.end is not None):
+        return 0
+    cause = ""
+    if last is not None:
+        cause = last.result.cause or _ended(last.result).removeprefix("completed; ")
+    print(f"balance-rope: the duty ends with trip {count}: {cause}", file=sys.stderr)
+    return 1
 
 
 def _exposure_of_trips(trips: Recording, prefix: str) -> Recording | None:

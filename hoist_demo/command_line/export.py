@@ -232,7 +232,7 @@ def _export(options: argparse.Namespace) -> int:
 
 def _wanted(options: argparse.Namespace) -> list[_Wanted]:
     """Return the kinds of FMU to write: native ones, unless the Python flavour alone is chosen."""
-    wanted = list[_Wanted]()
+    wanted: list[_Wanted] = []
     if options.python:
         if 2 not in options.fmi:
             raise ValueError(
@@ -362,13 +362,15 @@ def _hoist(options: argparse.Namespace, set_values: Mapping[str, Any]) -> _Expor
     if case.distinct_ropes and not options.ssp:
         raise ValueError(f"{options.hoist} has several ropes, and an FMU has one: add --ssp")
     # slow imports
-    from hoist_demo.run.data import build
+    from hoist_demo.design.controllers import design_drive
+    from hoist_demo.run.data import build_single_trip
     from hoist_demo.run.ropes import ropes_of
 
-    run = build(options.hoist, set_values).as_single_trip()
+    run = build_single_trip(options.hoist, set_values)
     trajectory = None
     if options.ssp and run.controller != CONTROLLER.start:
-        drive = replace(run, winding=replace(run.winding, start_delay=0.0)).design()
+        undelayed = replace(run, winding=replace(run.winding, start_delay=0.0))
+        drive = design_drive(undelayed)
         case = replace(case, gains=drive.gains)
         trajectory = drive.trajectory
     if not case.distinct_ropes:

@@ -157,8 +157,8 @@ def _modes(options: argparse.Namespace) -> int:
     out = results_folder(options.out)
     models = linearise(case, options.at, options.swivels, level=case.level)
     head = ("at", "frequency [Hz]", "damping", "felt by the drive", *PARTS)
-    rows = list[list[float]]()
-    modes = list[Modes]()
+    rows: list[list[float]] = []
+    modes: list[Modes] = []
     print("".join(f"{name:>18}" for name in head), flush=True)
     for model in models:
         with tqdm(

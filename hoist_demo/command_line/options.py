@@ -9,7 +9,7 @@ from hoist_demo.files.reading import cure_of
 from hoist_demo.files.registry import host_parameters
 from hoist_demo.files.values import read_value
 from hoist_demo.parameters import EmergencyLaw
-from hoist_demo.parameters.quantity import Parameter, Value
+from hoist_demo.parameters.quantity import FileParameter, Value
 from rope_model import Level
 
 TRIP = ("speed", "travel", "creep_distance", "creep_speed")  #: Values of the trip that are options.
@@ -51,7 +51,7 @@ def add_data(wind: argparse.ArgumentParser) -> None:
     wind.add_argument("--signals", nargs="+", default=[], metavar="NAME", help=text)
 
 
-def settings(texts: Iterable[str], parameters: Mapping[str, Parameter]) -> dict[str, Value]:
+def settings(texts: Iterable[str], parameters: Mapping[str, FileParameter]) -> dict[str, Value]:
     """Parse NAME=VALUE texts into values of their parameters' types and bounds.
 
     A ValueError names a wrong one.

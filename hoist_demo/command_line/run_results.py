@@ -4,6 +4,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.rope_data import RopeData
@@ -57,56 +58,58 @@ class WoundRun:
     @cached_property
     def exposures(self) -> dict[str, Recording]:
         """Load history of each place in the ropes that have stations, by the ropes' names."""
-        tables = dict[str, Recording]()
+        tables: dict[str, Recording] = {}
         for rope in self.ropes:
             table = exposure(self.recording_of(rope), rope.parameters)
             if table is not None:
                 tables[rope.name] = table
         return tables
 
-    @cached_property
-    def report(self) -> Report:
-        """Content of the reports: verdict, summary, changed settings and data."""
-        run = self.run
-        status = statuses(self.provenance)
-        warnings = without_passages(self.warnings)
-        for rope in self.ropes:
-            warnings = drop_duplicates_of_remark(warnings, self.recording_of(rope))
-        names = [rope.name for rope in self.ropes]
-        rows = list(
-            summarize(self.result, run.hoist, run.winding, run.coupling, names, run.arrival)
-        )
-        for name, table in self.exposures.items():
-            rows += exposure_rows(name, table)
-        rows += status_rows(self.provenance)
-        parts = {
-            "Hoist": run.hoist,
-            "Winding": run.winding,
-            "Coupling": run.coupling,
-            "Gains": run.gains,
-        }
-        data_tables = parameter_tables(parts, status)
-        for rope in self.ropes:
-            data_tables += rope_tables(rope, fidelities_of(self.recording_of(rope)), status)
-        verdict = judge(self.result, run.hoist, self.ropes, warnings, self.pairs, run.arrival)
-        return Report(self.title, verdict, self._changed(), rows, data_tables)
 
-    def _changed(self) -> TitledRows:
-        unchanged = build(self.run.case, {})
-        before = {row.name: row.value for row in host_provenance(unchanged, {})}
-        before |= unchanged.rope_values
-        values = dict[str, Value]()
-        for rope in self.ropes:
-            values |= {f"{rope.prefix}{key}": value for key, value in rope.parameters.items()}
-        for data in find_case(self.run.case).distinct_ropes:
-            before |= {f"{data.name}.{key}": value for key, value in data.parameters.items()}
-        rows = list[Row]()
-        for one in self.provenance:
-            is_set = one.name in self.set_names or one.name.partition(".")[2] in self.set_names
-            if is_set and values.get(one.name, one.value) != before.get(one.name):
-                text_before = word(before.get(one.name, "the default"))
-                rows.append((one.name, word(one.value), unit_text(one.unit), text_before))
-        return f"Settings that differ from the case {self.run.case}", rows
+def report_of(wound: WoundRun) -> Report:
+    """Return the content of the reports: verdict, summary, changed settings and data."""
+    run = wound.run
+    result = wound.result
+    status = statuses(wound.provenance)
+    warnings = without_passages(wound.warnings)
+    for rope in wound.ropes:
+        warnings = drop_duplicates_of_remark(warnings, wound.recording_of(rope))
+    names = [rope.name for rope in wound.ropes]
+    rows = list(summarize(result, run.hoist, run.winding, run.coupling, names, run.arrival))
+    for name, table in wound.exposures.items():
+        rows += exposure_rows(name, table)
+    rows += status_rows(wound.provenance)
+    parts = {
+        "Hoist": run.hoist,
+        "Winding": run.winding,
+        "Coupling": run.coupling,
+        "Gains": run.gains,
+    }
+    data_tables = parameter_tables(parts, status)
+    for rope in wound.ropes:
+        data_tables += rope_tables(rope, fidelities_of(wound.recording_of(rope)), status)
+    verdict = judge(result, run.hoist, wound.ropes, warnings, wound.pairs, run.arrival)
+    return Report(wound.title, verdict, _changed(wound), rows, data_tables)
+
+
+def _changed(wound: WoundRun) -> TitledRows:
+    """Return the values that were set and differ from the hoist's own."""
+    case = wound.run.case
+    unchanged = build(case, {})
+    before = {row.name: row.value for row in host_provenance(unchanged, {})}
+    before |= unchanged.rope_values
+    for data in find_case(case).distinct_ropes:
+        before |= {f"{data.name}.{key}": value for key, value in data.parameters.items()}
+    values: dict[str, Value] = {}
+    for rope in wound.ropes:
+        values |= {f"{rope.prefix}{key}": value for key, value in rope.parameters.items()}
+    rows: list[Row] = []
+    for one in wound.provenance:
+        is_set = one.name in wound.set_names or one.name.partition(".")[2] in wound.set_names
+        if is_set and values.get(one.name, one.value) != before.get(one.name):
+            text_before = word(before.get(one.name, "the default"))
+            rows.append((one.name, word(one.value), unit_text(one.unit), text_before))
+    return f"Settings that differ from the case {case}", rows
 
 
 def missing_outputs(units: Mapping[str, str]) -> str | None:
@@ -126,24 +129,25 @@ def _has_group(names: Iterable[str], group: str) -> bool:
     return any(name.startswith(group) for name in names)
 
 
-def write_results(wound: WoundRun, directory: Path, signals: Sequence[str]) -> list[Path]:
-    """Write all files of a run and return their paths, report.html last.
+class WrittenTables(NamedTuple):
+    """Files of a run beside its reports."""
 
-    Without a row only the reports.
+    paths: list[Path]
+    pictures: list[Path]
+
+
+def write_tables(wound: WoundRun, directory: Path, signals: Sequence[str]) -> WrittenTables:
+    """Write tables and figures of a run, and its hoist's file; without a row no signals.
 
     `signals` are the columns of signals.csv, none: the usual. Tables along one of several ropes
     begin with its name.
     """
     from hoist_demo.report.figures import write_figures
-    from hoist_demo.report.html.run import run_report
-    from hoist_demo.report.markdown import render_markdown
     from hoist_demo.report.panels import marks
     from hoist_demo.run.complete_file import complete_file
 
     result = wound.result
-    hoist = wound.run.hoist
     recording = result.recording
-    data = write_data(wound.provenance, directory / "data.csv")
     written: list[Path] = []
     pictures: list[Path] = []
 
@@ -154,7 +158,7 @@ def write_results(wound: WoundRun, directory: Path, signals: Sequence[str]) -> l
     if recording.signals:
         written = [directory / "signals.csv"]
         write_csv(recording, written[0], signals)
-        pictures = write_figures(recording, hoist, directory, marks(result), wound.ropes)
+        pictures = write_figures(recording, wound.run.hoist, directory, marks(result), wound.ropes)
         for rope in wound.ropes:
             of_rope = wound.recording_of(rope)
             if of_rope.shape_at(0) is not None:
@@ -164,10 +168,21 @@ def write_results(wound: WoundRun, directory: Path, signals: Sequence[str]) -> l
                 spectra = spectra_table(of_rope)
                 if spectra["frequency"].size:
                     write_csv(spectra, add("spectra.csv", rope))
-    hoist_file = directory / "hoist.toml"
+    written.append(write_data(wound.provenance, directory / "data.csv"))
     text = complete_file(find_case(wound.run.case), wound.run, wound.ropes, wound.provenance)
-    write_text(hoist_file, text)
-    report = directory / "report.md"
-    write_text(report, render_markdown(wound.report, pictures))
-    page = run_report(result, hoist, wound.report, directory / REPORT, wound.ropes)
-    return [*written, data, hoist_file, *pictures, report, page]
+    written.append(directory / "hoist.toml")
+    write_text(written[-1], text)
+    return WrittenTables(written, pictures)
+
+
+def write_reports(
+    wound: WoundRun, report: Report, tables: WrittenTables, directory: Path
+) -> list[Path]:
+    """Write the report as Markdown and as a page; return their paths, report.html last."""
+    from hoist_demo.report.html.run import run_report
+    from hoist_demo.report.markdown import render_markdown
+
+    markdown = directory / "report.md"
+    write_text(markdown, render_markdown(report, tables.pictures))
+    path = directory / REPORT
+    return [markdown, run_report(wound.result, wound.run.hoist, report, path, wound.ropes)]

@@ -101,7 +101,7 @@ def _run(study: Study, store: Store, options: argparse.Namespace) -> StudyResult
     from hoist_demo.study.cluster import cluster, run_samples
     from hoist_demo.study.perform import run_study
 
-    keys = list[str]()
+    keys: list[str] = []
     if study.plan is None:
         keys = [sample.data.key(study.fmu_hash) for sample in study.samples]
     total = len(set(keys)) or None

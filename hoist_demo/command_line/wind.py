@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -11,7 +11,14 @@ from typing import Any, NamedTuple
 from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, SCENARIOS, Case
 from hoist_demo.cases.table import DEFAULT_FMU, find_case
 from hoist_demo.command_line.options import TRIP, add_data, add_trip, settings
-from hoist_demo.command_line.run_results import REPORT, WoundRun, missing_outputs, write_results
+from hoist_demo.command_line.run_results import (
+    REPORT,
+    WoundRun,
+    missing_outputs,
+    report_of,
+    write_reports,
+    write_tables,
+)
 from hoist_demo.command_line.support import (
     CHECKED,
     HOIST_UNCHECKED,
@@ -23,26 +30,27 @@ from hoist_demo.command_line.support import (
 )
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
-from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs, read_parameters
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.progress import progress_bar, warnings_of
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES
+from hoist_demo.design.controllers import design_drive
 from hoist_demo.files.reading import read
 from hoist_demo.files.registry import parameters
 from hoist_demo.files.rope_file import RopeFile
 from hoist_demo.files.values import GIVEN
 from hoist_demo.parameters import ASSUMED_DATA
-from hoist_demo.parameters.quantity import Parameter, Value
+from hoist_demo.parameters.quantity import FileParameter, Value
 from hoist_demo.recording.ropes import computed
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.report.rows import Report, SummaryRow, render, render_verdict
-from hoist_demo.run.data import RunData, build, contradictions, fmu_part
+from hoist_demo.run.data import RunData, build_single_trip, contradictions, fmu_part
 from hoist_demo.run.probe import Probe
 from hoist_demo.run.provenance import host_provenance
 from hoist_demo.run.ropes import OneRope, Ropes, ropes_of
+from hoist_demo.run.wind import wind_run
 
 #: File in the output folder with the last good state of a run that stopped.
 LAST_GOOD = "last_good.npz"
@@ -79,7 +87,7 @@ is written all the same), 2 wrong arguments, 130 interrupted (what is kept is sa
 
 def add_wind(wind: argparse.ArgumentParser) -> None:
     """Add description and options of the command `wind`."""
-    describe(wind, _wind, _DESCRIPTION, _EPILOG)
+    describe(wind, _wind_command, _DESCRIPTION, _EPILOG)
     names = f"{', '.join(BUILTIN_HOISTS)} ({DEFAULT_HOIST}, or that of --resume)"
     text = f"hoist, trip, controller, ropes: a file, or one of {names}"
     wind.add_argument("hoist", nargs="?", metavar="HOIST", help=text)
@@ -119,7 +127,7 @@ def add_wind(wind: argparse.ArgumentParser) -> None:
     )
 
 
-class _Trip(NamedTuple):
+class _PlannedTrip(NamedTuple):
     """Trip that the options describe, before it is wound."""
 
     case: Case
@@ -129,34 +137,42 @@ class _Trip(NamedTuple):
     statuses: Mapping[str, str]  # of the values of --rope and --set
 
 
-class _Winding(NamedTuple):
-    """Trip that was wound."""
+class _Outcome(NamedTuple):
+    """Trip that was wound, and whether the user has stopped it."""
 
     wound: WoundRun
     stopped_by_user: bool
 
 
-def _wind(options: argparse.Namespace) -> int:
+def _wind_command(options: argparse.Namespace) -> int:
+    """Plan the trip of the options, wind it, judge it, and write and print what is found."""
     resume = _choose_hoist(options)
-    trip = _trip(options)
+    trip = _plan_trip(options)
     if options.check:
         print(f"{options.hoist}: {CHECKED}; {HOIST_UNCHECKED}")
         return 0
     results_folder(options.out)
-    shown = options.signals or trip.case.signals
-    signals = match_signals(shown, [*DRIVE_UNITS, *trip.ropes.plant.units()])
-    wound, stopped_by_user = _wind_trip(options, trip, resume)
+    plant = trip.ropes.plant  # loads the FMU, or makes the ropes in this process
+    try:
+        signals = match_signals(_patterns(options, trip.case), [*DRIVE_UNITS, *plant.units()])
+        outcome = _wind_planned(options, trip, resume)
+    finally:
+        plant.close()
+    wound = outcome.wound
     result = wound.result
     out = options.out
     # the report of an earlier run is worth more than that of one that failed
     if not result.completed and (options.out / REPORT).exists():
         out = results_folder(options.out / STOPPED)
     with interruption(f"the run is over, its results are being written to {out}") as interrupted:
-        written = write_results(wound, out, signals)
-    _print_report(wound.report)
+        tables = write_tables(wound, out, signals)
+        report = report_of(wound)
+        pages = write_reports(wound, report, tables, out)
+    written = [*tables.paths, *tables.pictures, *pages]
+    _print_report(report)
     print("written: " + ", ".join(str(path) for path in written))
     print(f"open in a browser: {written[-1]}")
-    by_user = stopped_by_user or interrupted()
+    by_user = outcome.stopped_by_user or interrupted()
     if not result.completed:
         print(f"balance-rope: {_stop(result, out, by_user=by_user)}", file=sys.stderr)
     elif by_user:
@@ -189,7 +205,7 @@ def _choose_hoist(options: argparse.Namespace) -> Checkpoint | None:
     return resume
 
 
-def _trip(options: argparse.Namespace) -> _Trip:
+def _plan_trip(options: argparse.Namespace) -> _PlannedTrip:
     """Return the trip of the options."""
     case = find_case(options.hoist)
     if case.distinct_ropes and options.fmu:
@@ -198,47 +214,47 @@ def _trip(options: argparse.Namespace) -> _Trip:
             "process"
         )
     fmu = _chosen_fmu(options, DEFAULT_FMU if options.hoist == DEFAULT_HOIST else None)
-    set_here = settings(options.set, parameters(_parameters(fmu)))
+    set_here = settings(options.set, parameters(_parameters_of(fmu)))
     if options.rope:
         identified = read(options.rope, RopeFile).values()
     else:
         identified = {}
     overrides = {key: entry.value for key, entry in identified.items()} | set_here
-    values = _winding(options, case) | overrides
-    run = build(options.hoist, values).as_single_trip()
+    values = _values_of_options(options, case) | overrides
+    run = build_single_trip(options.hoist, values)
     for remark in case.remarks:
         print(f"balance-rope: {remark}", file=sys.stderr)
     statuses = {key: entry.status for key, entry in identified.items()}
     statuses |= dict.fromkeys(set_here, GIVEN)
-    ropes = _ropes(options, fmu, case, run, overrides)
-    return _Trip(case, run, ropes, values, statuses)
+    if fmu is None:
+        ropes = ropes_of(case, run, overrides, options.level or case.level)
+    else:
+        ropes = _rope_in_fmu(options, fmu, case, run, overrides)
+    return _PlannedTrip(case, run, ropes, values, statuses)
 
 
-def _wind_trip(options: argparse.Namespace, trip: _Trip, resume: Checkpoint | None) -> _Winding:
-    """Wind the trip, and close its ropes."""
+def _wind_planned(
+    options: argparse.Namespace, trip: _PlannedTrip, resume: Checkpoint | None
+) -> _Outcome:
+    """Wind the trip under a progress bar, until the user interrupts it."""
     ropes = trip.ropes
     run = replace(trip.run, hoist=ropes.hoist)
-    try:
-        with warnings_of("hoist_demo") as warnings:
-            drive = run.design()
-            host = Host(
+    name = options.hoist
+    if options.hoist not in BUILTIN_HOISTS:
+        name = str(Path(options.hoist).resolve())
+    with warnings_of("hoist_demo") as warnings:
+        drive = design_drive(run)
+        with interruption() as stopped_by_user, progress_bar() as bar:
+            result = wind_run(
+                run,
                 ropes.plant,
-                run.hoist,
-                run.winding,
-                run.coupling,
-                drive.gains,
-                trajectory=drive.trajectory,
+                progress=lambda fraction, t: bar(fraction, t) and not stopped_by_user(),
+                drive=drive,
+                save_to=options.out / LAST_GOOD,
+                resume=resume,
+                name=name,
             )
-            host.name = options.hoist
-            if options.hoist not in BUILTIN_HOISTS:
-                host.name = str(Path(options.hoist).resolve())
-            with interruption() as stopped_by_user:
-                result = _run(host, options.out / LAST_GOOD, resume, stopped_by_user)
-        rope_data = ropes.data()
-        remarks = _remarks(ropes)
-        rope_sources = ropes.provenance(trip.statuses)
-    finally:
-        ropes.plant.close()
+    rope_data = ropes.data()
     torque_free = {rope.name: rope.torque_free for rope in rope_data}
     result = replace(result, recording=computed(result.recording, torque_free))
     run = replace(run, winding=result.winding)
@@ -248,11 +264,11 @@ def _wind_trip(options: argparse.Namespace, trip: _Trip, resume: Checkpoint | No
         result=result,
         ropes=rope_data,
         pairs=ropes.pairs(result.recording),
-        provenance=[*host_provenance(run, trip.statuses), *rope_sources],
-        warnings=[*remarks, *warnings],
+        provenance=[*host_provenance(run, trip.statuses), *ropes.provenance(trip.statuses)],
+        warnings=[*_remarks(ropes), *warnings],
         set_names=trip.values,
     )
-    return _Winding(wound, stopped_by_user())
+    return _Outcome(wound, stopped_by_user())
 
 
 def _title(name: str, run: RunData) -> str:
@@ -338,7 +354,7 @@ def _chosen_fmu(options: argparse.Namespace, default: Path | None) -> Path | Non
     return None
 
 
-def _winding(options: argparse.Namespace, case: Case) -> dict[str, Value]:
+def _values_of_options(options: argparse.Namespace, case: Case) -> dict[str, Value]:
     """Return trip and coupling by their names in files; options given by hand override --quick."""
     if options.estop_law and options.estop_at is None:
         raise ValueError(
@@ -347,7 +363,7 @@ def _winding(options: argparse.Namespace, case: Case) -> dict[str, Value]:
     chosen = {name: getattr(options, name) for name in TRIP}
     chosen |= {"emergency_at": options.estop_at, "emergency_law": options.estop_law}
     overrides: dict[str, Any] = {name: value for name, value in chosen.items() if value is not None}
-    quick = dict[str, float]()
+    quick: dict[str, float] = {}
     if options.quick and options.hoist in SCENARIOS:
         quick = {"settle": _QUICK["settle"]}
     elif options.quick:
@@ -362,7 +378,7 @@ def _winding(options: argparse.Namespace, case: Case) -> dict[str, Value]:
     return values | {name: value for name, value in coupling.items() if value is not None}
 
 
-def _parameters(fmu: Path | None) -> dict[str, Parameter] | None:
+def _parameters_of(fmu: Path | None) -> dict[str, FileParameter] | None:
     """Return the FMU's parameters, None of a rope in this process."""
     if fmu is None:
         return None
@@ -374,40 +390,32 @@ def _parameters(fmu: Path | None) -> dict[str, Parameter] | None:
     return read_parameters(fmu)
 
 
-def _ropes(
+def _rope_in_fmu(
     options: argparse.Namespace,
-    fmu: Path | None,
+    fmu: Path,
     case: Case,
     run: RunData,
     overrides: Mapping[str, Value],
 ) -> Ropes:
-    """Return the hoist's ropes, with the values of `overrides`.
-
-    A chosen FMU is asked whether it takes its own.
-    """
-    if fmu is None:
-        return ropes_of(case, run, overrides, options.level or case.level)
+    """Return the hoist's rope in an FMU, which is asked whether it takes the values of `overrides`."""
     if options.level:
         raise ValueError(
             f"--level {options.level} is for --in-process; an FMU has the level of its export: "
             f"`balance-rope export --level {options.level}`"
         )
     outputs = read_outputs(fmu)
-    signals = match_signals(options.signals or case.signals, [*DRIVE_UNITS, *outputs])
+    shown = match_signals(_patterns(options, case), [*DRIVE_UNITS, *outputs])
     probe = Probe(fmu)
     probe.require_hoist(run)
     if fmu_part(overrides):
         probe.require_start(run)
-    recorded = ({*outputs} - {*ADDED_MASSES}).union(signals)  # added masses are expensive
+    # added masses are expensive: those that are to be shown alone
+    recorded = ({*outputs} - {*ADDED_MASSES}).union(shown)
     load = partial(FmuRope, fmu, run.rope_values, recorded)
     return Ropes(case, run, (OneRope("", run.rope_values, case.level, case, fmu=load),))
 
 
-def _run(
-    host: Host, save_to: Path, resume: Checkpoint | None, interrupted: Callable[[], bool]
-) -> Result:
-    """Run the host under a progress bar, until it is interrupted."""
-    with progress_bar() as progress:
-        return host.run(
-            lambda fraction, t: progress(fraction, t) and not interrupted(), save_to, resume
-        )
+def _patterns(options: argparse.Namespace, case: Case) -> Sequence[str]:
+    """Return the patterns of the signals to show: those of the options, or of the hoist."""
+    patterns: Sequence[str] = options.signals or case.signals
+    return patterns

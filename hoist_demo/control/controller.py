@@ -14,13 +14,13 @@ command.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 from hoist_demo.control.trajectory import Braking, TrajectoryPoint
 from hoist_demo.parameters import Hoist
-from hoist_demo.parameters.quantity import Bounds, ValidatedData, parameter
+from hoist_demo.parameters.quantity import NumberRange, ValidatedData, parameter
 from rope_model.physics.elementary import Scalar, logical_and, maximum, minimum, tanh, where
 
 
@@ -40,7 +40,7 @@ class Gains(ValidatedData, of="gain "):
     integral_time: float = parameter(1.0, "s", "integral time T_i of the speed loop")
     position: float = parameter(1.0, "1/s", "gain k_s of the position loop")
     feed_forward: float = parameter(
-        1.0, "1", "share of the feed-forward that is used", Bounds(0.0, 1.0)
+        1.0, "1", "share of the feed-forward that is used", NumberRange(0.0, 1.0)
     )
 
 
@@ -157,6 +157,10 @@ class Controller(Protocol):
 
         `state` is that of the last command, None at first.
         """
+
+
+#: Makes a controller of the hoist and the motor's torque at rest [N m].
+ControllerFactory = Callable[[Hoist, float], Controller]
 
 
 class SpeedController:

@@ -7,7 +7,6 @@ A NumPy archive: the fields of Checkpoint as text, and their arrays by name, as
 from __future__ import annotations
 
 import json
-import re
 import zipfile
 from dataclasses import dataclass, fields, replace
 from importlib.metadata import version
@@ -16,14 +15,13 @@ from typing import Any
 
 import numpy as np
 
+from hoist_demo.cosimulation.participants.identity import Identity, differences
 from hoist_demo.cosimulation.participants.plain_data import decode, encode
 from hoist_demo.cosimulation.schemes.interface import SchemeState, Vector
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.recording.time_series import Array, Recording
 from rope_model.files import whole_file
 
-_FIELD = re.compile(r"(\w+)=([^(),]+)[,)]")  #: A single value in the text of a dataclass.
-MAX_DIFFERENCES = 6  #: Differences between two runs' data at most that a message lists.
 #: Errors that a damaged or foreign file raises.
 _UNREADABLE = (KeyError, ValueError, TypeError, AttributeError, EOFError, zipfile.BadZipFile)
 #: Types of some fields that a file must have.
@@ -33,6 +31,7 @@ _TYPES = {
     "recording": Recording,
     "rope": bytes,
     "input": np.ndarray,
+    "identity": dict,
 }
 CONTROLLER = "the controller's state"  #: Its name in messages.
 
@@ -49,7 +48,7 @@ class Checkpoint:
     scheme_state: SchemeState
     rope: bytes  # b"" when the rope cannot save its state
     recording: Recording  # of the run until it stopped; a resumed run replaces rows behind `sample`
-    data: str  # data that a resumed run must share: see Host.shared_data
+    identity: Identity  # that a resumed run must share: see Host.identity
     cause: str  # reason why the run stopped
     hoist: str = ""  # name or file of the hoist, if known
     # s after the start: emergency stop, by plan or safety circuit
@@ -57,7 +56,7 @@ class Checkpoint:
 
     def write(self, path: Path) -> None:
         """Write the file; ValueError, and no file, when the controller's state is no plain data."""
-        arrays = dict[str, Array]()
+        arrays: dict[str, Array] = {}
         text: dict[str, Any] = {"version": version("balance-rope")}
         for field in fields(self):
             name = field.name
@@ -69,12 +68,13 @@ class Checkpoint:
         with whole_file(path) as draft, draft.open("wb") as file:
             np.savez(file, **arrays)  # type: ignore[arg-type]
 
-    def require_fits(self, data: str) -> None:
-        """Raise a ValueError unless a run of this data can go on from here."""
-        if self.data != data:
+    def require_fits(self, identity: Identity) -> None:
+        """Raise a ValueError unless a run of this identity can go on from here."""
+        changes = differences(self.identity, identity)
+        if changes:
             raise ValueError(
                 f"the checkpoint at t = {self.t:g} s must be of the same hoist, winding, "
-                f"controller, gains and sample time, but {differences(self.data, data)}: "
+                f"controller, gains and sample time, but {changes}: "
                 "give the case and the options of that run"
             )
         if not self.rope:
@@ -120,16 +120,3 @@ def _checkpoint(text: dict[str, Any], arrays: dict[str, Array]) -> Checkpoint:
     if wrong:
         raise TypeError(f"{', '.join(wrong)} of other kinds")
     return checkpoint
-
-
-def differences(there: str, here: str) -> str:
-    """List the numbers and words that differ between a checkpoint's data and this run's."""
-    old, new = (_FIELD.findall(data) for data in (there, here))
-    changed = sorted(
-        {f"{name} is {value} there" for name, value in old if (name, value) not in new}
-        | {f"{name} is {value} here" for name, value in new if (name, value) not in old}
-    )
-    listed = ", ".join(changed[:MAX_DIFFERENCES]) or "they differ"
-    if len(changed) > MAX_DIFFERENCES:
-        return f"{listed} and {len(changed) - MAX_DIFFERENCES} more"
-    return listed

@@ -5,13 +5,15 @@ on the sheave, a rope in a library, and a C compiler. All else goes on in `host.
 bits.
 """
 
+import logging
 import math
 from ctypes import CDLL, addressof, byref, c_int, c_void_p, cast
-from dataclasses import astuple, dataclass, fields
+from dataclasses import astuple, fields
 from functools import cache
 from importlib.resources import files
 from itertools import product
-from typing import Any, NamedTuple
+from subprocess import CalledProcessError
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -26,7 +28,9 @@ from hoist_demo.cosimulation.participants.c_structures import (
     fields_of,
 )
 from hoist_demo.cosimulation.participants.fmi_versions import DISCARD, WARNING
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.hoist_partner import DriveCommand
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
 from hoist_demo.cosimulation.participants.library_calls import (
     CALLS,
     FUNCTIONS,
@@ -36,24 +40,27 @@ from hoist_demo.cosimulation.participants.library_calls import (
     RopeLibrary,
 )
 from hoist_demo.cosimulation.run_state import RunState
+from hoist_demo.cosimulation.schemes.explicit import GaussSeidel
 from hoist_demo.cosimulation.schemes.interface import (
     HISTORY,
     ROPE_FORCES,
     SUCCESS,
+    RopePlant,
     Sample,
-    Stopwatch,
 )
+from hoist_demo.cosimulation.trip_plan import TripPlan
 from hoist_demo.drive import integrator, plant
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES, STATE_NAMES, WORK_NAMES
 from hoist_demo.drive.kernels import generate_c
 from hoist_demo.drive.outputs import OUTPUT_INDEX, OUTPUTS
 from hoist_demo.drive.plant import SIDE_FORCES
-from hoist_demo.parameters import Coupling, Hoist
+from hoist_demo.parameters import Hoist
 from hoist_demo.recording.time_series import TIME
 from rope_model import SIDES, EndMotion, Status
 from rope_model.codegen.build import sources as rope_sources
-from rope_model.compiler import cache_folder, compile_library, find_compiler
+from rope_model.compiler import cache_folder, compile_library, find_compiler, last_words
 
+_log = logging.getLogger(__name__)
 #: Headers of the rope that trip.c includes, with those that they include.
 _ROPE_HEADERS = ("rope.h", "parameters.h", "interface_structures.h")
 #: Ends of a call: well, before a sample that the host must process, or the part that has failed.
@@ -89,7 +96,7 @@ _INTEGRATOR_CONSTANTS = (
     "MAX_FACTOR",
     "MIN_ERROR",
     "ORDER",
-    "ROUNDING",
+    "STEP_ROUNDING",
 )
 #: Numbers of trip.c that are those of all hoists, by name.
 _NUMBERS: dict[str, float] = {
@@ -182,19 +189,6 @@ class Trip(SharedStructure):
     _fields_ = fields_of(members, (Access,))
 
 
-@dataclass(frozen=True)
-class TripData:
-    """Data of a trip that stay the same until its end."""
-
-    hoist: Hoist
-    gains: Gains
-    coupling: Coupling
-    start_height: float  # m, of the left conveyance
-    drive_clock: Stopwatch
-    rope_clock: Stopwatch
-    max_samples: int  # of one call
-
-
 class SampleReached(NamedTuple):
     """Sample at which the compiled trip has ended."""
 
@@ -206,21 +200,23 @@ class SampleReached(NamedTuple):
 class CompiledTrip:
     """The trip of a run in C; the rows of its samples and its state are the run's."""
 
-    def __init__(self, run: RunState, rope: RopeLibrary, data: TripData) -> None:
-        hoist = data.hoist
-        coupling = data.coupling
+    def __init__(self, plan: TripPlan, run: RunState, rope: RopeLibrary, max_samples: int) -> None:
+        """`max_samples` are those of one call."""
+        hoist = plan.hoist
+        coupling = plan.coupling
+        start_height, _ = plan.start_heights
         drive = run.drive.plant.stick_integrator
         self._run = run
         self._rope = rope
-        self._data = data
+        self._plan = plan
         self._drive = drive
         self._library = _library(hoist.equation_structure, drive.kernels)
         self._advance = CDLL(str(drive.kernels.library)).advance
-        self._law_arguments = _law_arguments(run, data)
+        self._law_arguments = _law_arguments(plan, run)
         names = run.recorder.names[len(ROW) :]
         side_forces = () if hoist.play is None else SIDE_FORCES
         guard = [name for name in names if name == "guard.tripped"]
-        self._table = rope.table(names, data.max_samples)
+        self._table = rope.table(names, max_samples)
         self._forces = rope.table(ROPE_FORCES, 1)
         self._sides = rope.table(side_forces, 1)
         self._guard = rope.table(guard, 1)
@@ -255,12 +251,24 @@ class CompiledTrip:
             per_step=coupling.per_step,
             H=coupling.step,
             radius=hoist.sheave_radius,
-            start_height=data.start_height,
+            start_height=start_height,
             ropes=hoist.tail_rope_number,
             slack_tension=slack_tension,
             samples=addressof(self._samples),
             columns=len(run.recorder.names),
         )
+
+    @classmethod
+    def for_run(cls, plan: TripPlan, run: RunState, max_samples: int) -> Self | None:
+        """Return the trip in C; None for a run that only the host in Python winds."""
+        library = _rope_library(plan.rope)
+        if library is None or not _has_parts_of(plan, run):
+            return None
+        try:
+            return cls(plan, run, library, max_samples)
+        except (OSError, RuntimeError, CalledProcessError) as error:
+            _log.warning("the trip is wound in Python, which takes longer: %s", last_words(error))
+            return None
 
     def wind_samples(self, first: int, last: int) -> SampleReached:
         """Wind the samples from `first` to before `last`, and the steps behind each."""
@@ -269,7 +277,7 @@ class CompiledTrip:
         if self._brake_stops():
             return SampleReached(first)
         begun = run.course.winding.emergency_at
-        trip.watched = begun is None or begun > first * self._data.coupling.period
+        trip.watched = begun is None or begun > first * self._plan.coupling.period
         self._set_reference(run.course.trajectory)
         self._copy_to_c()
         rows = run.recorder.following
@@ -296,7 +304,7 @@ class CompiledTrip:
 
     def _step_start(self, stop: str) -> float:
         """Return the time at which the rope's latest step began [s]."""
-        coupling = self._data.coupling
+        coupling = self._plan.coupling
         steps = self._run.steps
         if stop == "WELL":
             steps -= 1
@@ -307,7 +315,7 @@ class CompiledTrip:
         if trajectory is self._trajectory:
             return
         self._trajectory = trajectory
-        coupling = self._data.coupling
+        coupling = self._plan.coupling
         samples, within = np.ogrid[: self._run.recorder.size, : coupling.per_step]
         t = coupling.start + samples * coupling.period + within * coupling.step / coupling.per_step
         self._reference = trajectory.sample((t - coupling.start).ravel())
@@ -327,7 +335,7 @@ class CompiledTrip:
             "outputs": drive.outputs,
         }
         self._drive.set_arguments(
-            l0=state.free_lengths, H=self._data.coupling.step, path=0.0, added_mass=0.0
+            l0=state.free_lengths, H=self._plan.coupling.step, path=0.0, added_mass=0.0
         )
         for name, values in parts.items():
             self._drive.y[self._drive.result[name]] = values
@@ -369,15 +377,36 @@ class CompiledTrip:
         side_forces = self._drive.arguments["path"][_SIDES]
         run.drive.command(DriveCommand(trip.torque, brake=0.0), side_forces)
         self._drive.evaluations += trip.evaluations
-        self._data.drive_clock.wall += trip.drive_time
-        self._data.rope_clock.wall += trip.rope_time
+        self._plan.clocks.drive.wall += trip.drive_time
+        self._plan.clocks.rope.wall += trip.rope_time
 
 
-def _law_arguments(run: RunState, data: TripData) -> np.ndarray[Any, np.dtype[np.float64]]:
+def _rope_library(rope: RopePlant) -> RopeLibrary | None:
+    """Return the functions of a rope for trip.c; None without such."""
+    # a rope of another class may do more in its steps than its library
+    if type(rope) is FmuRope or type(rope) is InProcessRope:
+        return rope.library()
+    return None
+
+
+def _has_parts_of(plan: TripPlan, run: RunState) -> bool:
+    """Return True if trip.c has scheme, controller and hoist of this run."""
+    scheme = plan.scheme
+    return (
+        type(scheme) is GaussSeidel
+        and scheme.order == 1
+        and plan.controller is None
+        and run.drive.plant.stick_integrator.kernels.library is not None
+        and plan.hoist.lining is None
+    )
+
+
+def _law_arguments(plan: TripPlan, run: RunState) -> np.ndarray[Any, np.dtype[np.float64]]:
     """Return the argument of the control law's kernel, with what the trip does not change."""
-    constants = {"holding_torque": run.holding_torque, "h": data.coupling.sample_time}
+    constants = {"holding_torque": run.holding_torque, "h": plan.coupling.sample_time}
     arguments = (constants.get(name, 0.0) for name in ARGUMENTS)
-    return np.array([*arguments, *astuple(data.gains), *data.hoist.numbers])
+    gains = plan.gains or Gains()
+    return np.array([*arguments, *astuple(gains), *plan.hoist.numbers])
 
 
 def _only_access(table: OutputTable) -> Access:

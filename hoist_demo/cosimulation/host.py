@@ -14,25 +14,20 @@ import logging
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
-from subprocess import CalledProcessError
 
 import numpy as np
 
-from hoist_demo.control.controller import Command, Gains, SpeedController
+from hoist_demo.control.controller import Command, ControllerFactory, Gains
 from hoist_demo.control.trajectory import Course, Trajectory, s_curve
 from hoist_demo.cosimulation.checkpoint import CONTROLLER, Checkpoint
-from hoist_demo.cosimulation.compiled_trip import CompiledTrip, SampleReached, TripData
+from hoist_demo.cosimulation.compiled_trip import CompiledTrip, SampleReached
 from hoist_demo.cosimulation.drive_signals import with_drive_signals
 from hoist_demo.cosimulation.loading import Loading
-from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.hoist_partner import DriveCommand
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
 from hoist_demo.cosimulation.participants.plain_data import encode
 from hoist_demo.cosimulation.run_state import Result, RunState
 from hoist_demo.cosimulation.sampling import (
-    ControllerFactory,
     Sampling,
     make_controller,
     under_safety_circuit,
@@ -44,7 +39,6 @@ from hoist_demo.cosimulation.saved_run import (
     trip_end,
 )
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
-from hoist_demo.cosimulation.schemes.explicit import GaussSeidel
 from hoist_demo.cosimulation.schemes.interface import (
     SUCCESS,
     ParticipantFailed,
@@ -58,7 +52,6 @@ from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
 from hoist_demo.recording.time_series import Recording
 from rope_model import Status
-from rope_model.compiler import last_words
 
 _log = logging.getLogger(__name__)
 #: Called after every step with the fraction done and the time [s]; False stops the run.
@@ -89,95 +82,73 @@ class Host:
         SpeedController. `trajectory` replaces the winding's S-curve, `scheme` the one that
         `coupling` names. `neighbours` are the trips of a duty before and after this one.
         """
-        self.name = ""  # name or file of the hoist, which a checkpoint states
-        self.hoist = hoist or Hoist()
-        self.winding = winding or Winding()
-        self.stability: StabilityEstimate | None = None
+        hoist = hoist or Hoist()
+        winding = winding or Winding()
         coupling = coupling or Coupling()
         neighbours = neighbours or NeighbouringTrips()
         before = neighbours.before
         if before is not None:
             coupling = replace(coupling, start=before.t)
             before = before.with_zeroed_totals()
-        require_trip_fits(self.hoist, self.winding)
-        trajectory = trajectory or s_curve(self.winding)
-        self._controller = controller
-        self._save_interval = max(1, round(SAVE_INTERVAL / coupling.period))  # samples
-        self._plan = TripPlan(
+        require_trip_fits(hoist, winding)
+        trajectory = trajectory or s_curve(winding)
+        self.plan = TripPlan(
             rope=rope,
-            hoist=self.hoist,
-            winding=self.winding,
+            hoist=hoist,
+            winding=winding,
             coupling=coupling,
             gains=gains,
+            controller=controller,
             trajectory=trajectory,
             scheme=scheme or find_scheme(coupling.scheme),
             before=before,
-            loading=Loading(
-                self.hoist, neighbours.next_hoist, trajectory.duration, self.winding.settle
-            ),
+            loading=Loading(hoist, neighbours.next_hoist, trajectory.duration, winding.settle),
         )
-
-    @property
-    def shared_data(self) -> str:
-        """Data that a checkpoint and the run that continues it share.
-
-        Scheme and step may change.
-        """
-        plan = self._plan
-        coupling = plan.coupling
-        factory = self._controller or SpeedController
-        if isinstance(factory, partial):
-            factory = factory.func
-        controller = getattr(factory, "__qualname__", "")
-        data = (plan.hoist, plan.winding, plan.gains, coupling.start, coupling.sample_time)
-        recorded = ""
-        if coupling.per_step > 1:
-            recorded = f", period={coupling.period}"
-        return f"{repr(data)[:-1]}{recorded}, controller={controller})"
+        self.stability: StabilityEstimate | None = None
+        self._save_interval = max(1, round(SAVE_INTERVAL / coupling.period))  # samples
 
     def run(
         self,
         progress: Progress | None = None,
         save_to: Path | None = None,
         resume: Checkpoint | None = None,
+        name: str = "",
     ) -> Result:
         """Wind once; `progress` is called at every sample and may stop the run.
 
         When the run stops before its end, its last good state is in the result and is written to
-        `save_to`; ValueError at the first sample for a controller whose state cannot be written.
-        With `resume` the run goes on from such a state, with the same bits as if it had never
-        stopped.
+        `save_to`, with the `name` or file of the hoist; ValueError at the first sample for a
+        controller whose state cannot be written. With `resume` the run goes on from such a state,
+        with the same bits as if it had never stopped.
         """
         if resume is not None:
-            resume.require_fits(self.shared_data)
+            resume.require_fits(self.plan.identity)
         try:
             run = self._start()
         except StartFailed as failure:
-            course = self._plan.course
+            course = self.plan.course
             return self._result(Recording({}, {}), steps=0, cause=str(failure), course=course)
         if resume is not None:
-            go_to_checkpoint(self._plan, run, resume)
+            go_to_checkpoint(self.plan, run, resume)
         cause = self._wind(run, progress, save_to).message
         checkpoint = saved = end = None
         if cause:
-            checkpoint = checkpoint_of(
-                self._plan, run, cause=cause, shared_data=self.shared_data, hoist=self.name
-            )
+            checkpoint = checkpoint_of(self.plan, run, cause=cause, hoist=name)
         if checkpoint is not None and save_to is not None:
             try:
                 checkpoint.write(save_to)
                 saved = save_to
             except (ValueError, OSError) as error:  # keep the record of the run all the same
                 cause += f"; {save_to} is not written: {error}"
-        if not cause and run.course == self._plan.course:
-            end = trip_end(self._plan, run)
-        recording = with_drive_signals(run.recorder.recording(), self.hoist)
+        if not cause and run.course == self.plan.course:
+            end = trip_end(self.plan, run)
+        recording = with_drive_signals(run.recorder.recording(), self.plan.hoist)
         result = self._result(recording, run.steps, cause, run.course)
         return replace(result, checkpoint=checkpoint, saved=saved, end=end)
 
     def _start(self) -> RunState:
         """Return the run at its start, and predict whether the coupling is stable."""
-        plan = self._plan
+        plan = self.plan
         run = start_run(plan)
         if plan.before is None:
             start = plan.coupling.start
@@ -191,7 +162,7 @@ class Host:
         try:
             return self._wind_samples(run, progress, save_to)
         except ParticipantFailed as error:
-            coupling = self._plan.coupling
+            coupling = self.plan.coupling
             t = coupling.start + run.steps * coupling.step
             return Status(False, f"t = {t:.6g} s: {error}")
 
@@ -199,13 +170,11 @@ class Host:
         self, run: RunState, progress: Progress | None, save_to: Path | None
     ) -> Status:
         """Sample and exchange until the end, or until a step fails or `progress` stops the run."""
-        plan = self._plan
-        sampling = Sampling(plan, run, make_controller(self._controller, plan, run.holding_torque))
+        plan = self.plan
+        sampling = Sampling(plan, run, make_controller(plan, run.holding_torque))
         last = plan.sample_count
-        if plan.coupling.per_step > 1:
-            run.drive.per_step = plan.coupling.per_step
-            run.drive.next_command = sampling.command_within_step
-        compiled = self._compiled(run)
+        run.drive.sample_within_steps(sampling.command_within_step)
+        compiled = CompiledTrip.for_run(plan, run, self._save_interval)
         k = run.first
         while k <= last:
             t = plan.sample_time(k)
@@ -234,7 +203,7 @@ class Host:
         self, run: RunState, sampling: Sampling, k: int, save_to: Path | None
     ) -> Status:
         """Record sample k, and exchange until the next; the last one is only recorded."""
-        plan = self._plan
+        plan = self.plan
         t = plan.sample_time(k)
         with plan.clocks.rope:
             signals = run.readers.signals()
@@ -265,51 +234,12 @@ class Host:
     def _next_watched(self, run: RunState, k: int) -> int:
         """Return the next sample behind k where a state is saved or a payload begins to change."""
         next_save = k + self._save_interval - (k - run.first) % self._save_interval
-        return next(
-            (j for j in range(k + 1, next_save) if self._plan.payload_changes(j)), next_save
-        )
-
-    def _compiled(self, run: RunState) -> CompiledTrip | None:
-        """Return the trip in C; None for a run that only this host winds."""
-        plan = self._plan
-        rope = plan.rope
-        # a rope of another class may do more in its steps than its library
-        if type(rope) is FmuRope or type(rope) is InProcessRope:
-            library = rope.library()
-        else:
-            library = None
-        if library is None or not self._can_be_compiled(run):
-            return None
-        data = TripData(
-            hoist=plan.hoist,
-            gains=plan.gains or Gains(),
-            coupling=plan.coupling,
-            start_height=plan.start_heights[0],
-            drive_clock=plan.clocks.drive,
-            rope_clock=plan.clocks.rope,
-            max_samples=self._save_interval,
-        )
-        try:
-            return CompiledTrip(run, library, data)
-        except (OSError, RuntimeError, CalledProcessError) as error:
-            _log.warning("the trip is wound in Python, four times as long: %s", last_words(error))
-            return None
-
-    def _can_be_compiled(self, run: RunState) -> bool:
-        """Return True if trip.c has scheme, controller and hoist of this run."""
-        scheme = self._plan.scheme
-        return (
-            type(scheme) is GaussSeidel
-            and scheme.order == 1
-            and self._controller is None
-            and run.drive.plant.stick_integrator.kernels.library is not None
-            and self._plan.hoist.lining is None
-        )
+        return next((j for j in range(k + 1, next_save) if self.plan.payload_changes(j)), next_save)
 
     def _exchange(self, run: RunState, k: int, command: Command) -> Status:
         """Advance drive and rope from sample k to the next under the command."""
         if not (math.isfinite(command.torque) and math.isfinite(command.brake)):
-            t = self._plan.sample_time(k)
+            t = self.plan.sample_time(k)
             numbers = f"torque = {command.torque:g} N m and brake = {command.brake:g}"
             return Status(
                 False,
@@ -317,7 +247,7 @@ class Host:
             )
         # the rope's forces on conveyances with play are held until the next sample
         side_forces = _NO_FORCES
-        if self._plan.hoist.play is not None:
+        if self.plan.hoist.play is not None:
             side_forces = np.nan_to_num(run.readers.side_forces(), nan=0.0)
         run.commands = [command]
         run.drive.command(DriveCommand(command.torque, command.brake), side_forces)
@@ -325,7 +255,7 @@ class Host:
 
     def _steps(self, run: RunState, k: int) -> Status:
         """Do the communication steps left before sample k + 1."""
-        plan = self._plan
+        plan = self.plan
         H = plan.coupling.step
         while run.steps < (k + 1) * plan.coupling.per_sample:
             t = plan.coupling.start + run.steps * H
@@ -347,7 +277,7 @@ class Host:
         return SUCCESS
 
     def _result(self, recording: Recording, steps: int, cause: str, course: Course) -> Result:
-        plan = self._plan
+        plan = self.plan
         if cause:
             planned = plan.sample_count * plan.coupling.per_sample
             _log.info("co-simulation stopped after %d of %d steps: %s", steps, planned, cause)

@@ -1,7 +1,6 @@
 """The controller's samples, and the safety circuit that looks at them."""
 
 import math
-from collections.abc import Callable
 from copy import deepcopy
 from functools import partial
 from typing import Any
@@ -12,12 +11,10 @@ from hoist_demo.cosimulation.drive_signals import drive_row
 from hoist_demo.cosimulation.participants.hoist_partner import DriveCommand
 from hoist_demo.cosimulation.run_state import RunState
 from hoist_demo.cosimulation.schemes.interface import Vector
-from hoist_demo.cosimulation.trip_plan import ROUNDING, TripPlan
+from hoist_demo.cosimulation.trip_plan import SAMPLE_ROUNDING, TripPlan
 from hoist_demo.drive.outputs import OUTPUT_INDEX
-from hoist_demo.parameters import Hoist
 from hoist_demo.recording.time_series import Array
 
-ControllerFactory = Callable[[Hoist, float], Controller]
 _Y_LEFT = OUTPUT_INDEX["y_left"]
 _RATE = OUTPUT_INDEX["rate"]
 _PULLS = [OUTPUT_INDEX["pull_left"], OUTPUT_INDEX["pull_right"]]
@@ -76,17 +73,16 @@ def under_safety_circuit(plan: TripPlan, run: RunState, t: float, signals: Array
     time = run.readers.guard_time
     if tripped is None or time is None or not signals.item(tripped) > 0.0:
         return course
-    samples = max(0, math.ceil((signals.item(time) - start) / period - ROUNDING))
+    samples = max(0, math.ceil((signals.item(time) - start) / period - SAMPLE_ROUNDING))
     return course.with_emergency_stop(start + period * samples - start)
 
 
-def make_controller(
-    make: ControllerFactory | None, plan: TripPlan, holding_torque: float
-) -> Controller:
-    """Make the controller of a run; None: the SpeedController.
+def make_controller(plan: TripPlan, holding_torque: float) -> Controller:
+    """Make the controller of a run.
 
-    Raises ValueError if `make` is no class or function, or makes an object that gives no commands.
+    Raises ValueError if the plan's is no class or function, or makes an object that gives no commands.
     """
+    make = plan.controller
     if make is None:
         make = partial(SpeedController, gains=plan.gains)
     if not callable(make):

@@ -25,12 +25,10 @@ def save_state(run: RunState, k: int) -> None:
     )
 
 
-def checkpoint_of(
-    plan: TripPlan, run: RunState, *, cause: str, shared_data: str, hoist: str
-) -> Checkpoint | None:
+def checkpoint_of(plan: TripPlan, run: RunState, *, cause: str, hoist: str) -> Checkpoint | None:
     """Return the saved state with the cause of the stop; None if no state was saved.
 
-    `shared_data` and `hoist` are the checkpoint's `data` and `hoist`.
+    `hoist` is the name or file that the checkpoint states.
     """
     saved = run.saved
     if saved is None:
@@ -51,7 +49,7 @@ def checkpoint_of(
         scheme_state=saved.scheme_state,
         rope=rope,
         recording=run.recorder.recording(),
-        data=shared_data,
+        identity=plan.identity,
         cause=cause,
         hoist=hoist,
         emergency_at=saved.emergency_at,

@@ -204,7 +204,7 @@ static bool step_drive(Trip *trip, double s, double end) {
     double size = (trip->step_next != 0.0 ? trip->step_next : trip->H) / trip->H;
     double largest_factor = MAX_FACTOR;
     while (size * trip->H > MIN_STEP) {
-        const double steps = fmax(1.0, ceil((end - s) / size - ROUNDING));
+        const double steps = fmax(1.0, ceil((end - s) / size - STEP_ROUNDING));
         const double used = (end - s) / steps;
         z[AT_S] = s;
         z[AT_H] = used;

@@ -2,15 +2,19 @@
 
 import math
 from dataclasses import dataclass, field
+from functools import partial
 
-from hoist_demo.control.controller import Gains
+from hoist_demo.control.controller import ControllerFactory, Gains, SpeedController
 from hoist_demo.control.trajectory import Course, Trajectory
 from hoist_demo.cosimulation.loading import Loading
+from hoist_demo.cosimulation.participants.identity import Identity, named_values
 from hoist_demo.cosimulation.run_state import TripEnd
 from hoist_demo.cosimulation.schemes.interface import RopePlant, Scheme, Stopwatch
 from hoist_demo.parameters import Coupling, Hoist, Winding, start_heights
 
-ROUNDING = 1e-9  #: Part of a sample by which rounding alone may exceed a whole number of them.
+SAMPLE_ROUNDING = (
+    1e-9  #: Part of a sample by which rounding alone may exceed a whole number of them.
+)
 
 
 @dataclass(frozen=True)
@@ -28,26 +32,48 @@ class Clocks:
     """Times that a run takes."""
 
     drive: Stopwatch = field(default_factory=Stopwatch)  # of the drive's steps
-    rope: Stopwatch = field(
-        default_factory=Stopwatch
-    )  # of the rope's, reading its outputs included
+    # of the rope's steps, reading its outputs included
+    rope: Stopwatch = field(default_factory=Stopwatch)
     start: Stopwatch = field(default_factory=Stopwatch)  # of the rope's initialization
 
 
 @dataclass(frozen=True)
 class TripPlan:
-    """Data of a run that stay the same until its end."""
+    """Data of a run that stay the same until its end; RunState has what changes."""
 
     rope: RopePlant
     hoist: Hoist
     winding: Winding
     coupling: Coupling
     gains: Gains | None  # None: the controller's own
+    controller: ControllerFactory | None  # None: SpeedController
     trajectory: Trajectory
     scheme: Scheme
     before: TripEnd | None  # end of the trip before; None: all begins at rest
     loading: Loading
     clocks: Clocks = field(default_factory=Clocks)
+
+    @property
+    def identity(self) -> Identity:
+        """Data that a checkpoint and the run that continues it share.
+
+        Scheme and step may change.
+        """
+        coupling = self.coupling
+        controller = self.controller or SpeedController
+        if isinstance(controller, partial):
+            controller = controller.func
+        return named_values(
+            {
+                "hoist": self.hoist,
+                "winding": self.winding,
+                "gains": self.gains,
+                "controller": getattr(controller, "__qualname__", ""),
+                "coupling.start": coupling.start,
+                "coupling.sample_time": coupling.sample_time,
+                "coupling.period": coupling.period,
+            }
+        )
 
     @property
     def start_heights(self) -> tuple[float, float]:
@@ -63,7 +89,7 @@ class TripPlan:
     def sample_count(self) -> int:
         """Number of recorded samples in the whole run, the first not counted."""
         duration = self.trajectory.duration + self.winding.settle
-        return math.ceil(duration / self.coupling.period - ROUNDING)
+        return math.ceil(duration / self.coupling.period - SAMPLE_ROUNDING)
 
     @property
     def course(self) -> Course:

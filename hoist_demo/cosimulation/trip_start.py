@@ -35,7 +35,7 @@ def start_run(plan: TripPlan) -> RunState:
     if before is not None:
         state = before.plant
         applied_input = before.input
-    drive = HoistPartner(plant, state, applied_input, plan.clocks.drive)
+    drive = HoistPartner(plant, state, applied_input, plan.clocks.drive, plan.coupling.per_step)
     coupled = CoupledSystem(drive, plan.rope, plan.clocks.rope)
     if before is not None:
         scheme_state = before.scheme_state

@@ -152,7 +152,7 @@ def pole_of_sparse(model: LinearModel, loop: SpeedLoop) -> complex | None:
     """Return the pole of the complete model with its loop closed that an arrival excites most; None without one."""
     omega = 2 * np.pi * np.arange(SLOWEST, BAND, SLOWEST / 2)
     sizes = np.abs(_closed(model, loop, (1j * omega).astype(np.complex128))) / omega[:, None] ** 2
-    found = list[tuple[float, complex]]()
+    found: list[tuple[float, complex]] = []
     for swing in range(sizes.shape[1]):
         size = sizes[:, swing]
         peaks = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])) + 1

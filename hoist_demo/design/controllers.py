@@ -28,7 +28,7 @@ class Drive:
 
 
 @dataclass(frozen=True)
-class Task:
+class DesignTask:
     """A controller by its name, the trip that it is for, and its tuning."""
 
     controller: str
@@ -62,12 +62,13 @@ class Task:
         if self.controller == "optimised-trajectory":
             require_no_creep(self.winding)
 
-    def design(self) -> Drive:
-        """Return the gains and the trajectory of the controller; an optimised one takes seconds."""
-        return DESIGNS[self.controller](self)
+
+def design_drive(task: DesignTask) -> Drive:
+    """Return the gains and the trajectory of the task's controller; an optimised one takes seconds."""
+    return DESIGNS[task.controller](task)
 
 
-DESIGNS: dict[str, Callable[[Task], Drive]] = {
+DESIGNS: dict[str, Callable[[DesignTask], Drive]] = {
     "pi": lambda t: Drive(replace(t.gains, feed_forward=0.0), s_curve(t.winding)),
     "pi-feed-forward": lambda t: Drive(t.gains, s_curve(t.winding)),
     "input-shaping": lambda t: Drive(t.gains, shape(s_curve(t.winding), t.shaper)),
@@ -75,7 +76,7 @@ DESIGNS: dict[str, Callable[[Task], Drive]] = {
 }
 
 
-def _optimised(task: Task) -> Trajectory:
+def _optimised(task: DesignTask) -> Trajectory:
     hoist = task.hoist if task.nominal is None else task.nominal
     return optimise(hoist, task.winding, task.gains, task.trajectory, task.start_height)
 

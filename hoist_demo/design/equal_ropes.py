@@ -23,7 +23,7 @@ Solver = Callable[[sp.csc_matrix, sp.csc_matrix], Modes]
 
 def equal_ropes(names: Sequence[str], matrices: Sequence[sp.csc_matrix]) -> list[list[range]]:
     """Return the coordinates of ropes that are equal to the bit in all matrices, in groups of two or more ropes."""
-    groups = list[list[range]]()
+    groups: list[list[range]] = []
     for rope in _ropes(names):
         for group in groups:
             if all(_are_alike(A, group[0], rope) for A in matrices):

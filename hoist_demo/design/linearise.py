@@ -129,7 +129,7 @@ def _rope_specs(
         return [LinearRopeSpec(_rope(scene), case.hoist.tail_rope_number)]
     specs = []
     # ropes that differ in their places alone hang alike: they are hung, and have their derivatives, once
-    known = dict[Scene, NativeRope]()
+    known: dict[Scene, NativeRope] = {}
     for rope in case.distinct_ropes:
         suspension = SuspensionOffset(**rope.suspension)
         scene = rope_scene({**rope.parameters, **_swivels(swivels)}, level, suspension)
@@ -251,7 +251,7 @@ class _Layout(NamedTuple):
 
 
 def _layout(hung: _Hung, hoist: LinearHoist) -> _Layout:
-    heights = dict[str, int]()
+    heights: dict[str, int] = {}
     if hoist.coordinates:
         heights = {f"{side}.y": hoist.coordinates.index(f"y_{side}") for side in SIDES}
     ropes = [rope for _, rope in hung]

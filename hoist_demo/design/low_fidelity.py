@@ -29,7 +29,28 @@ from hoist_demo.drive.plant import HoistPlant, PlantState
 from hoist_demo.parameters import GRAVITY, Hoist
 
 Vector = NDArray[np.float64]
-STATES = 11
+#: Names of the states, in their order.
+STATES = (
+    "s",
+    "v",
+    "a",
+    "p",
+    "y_left",
+    "y_right",
+    "p_rate",
+    "v_left",
+    "v_right",
+    "motor",
+    "integral",
+)
+V_LEFT = STATES.index("v_left")
+V_RIGHT = STATES.index("v_right")
+_MOTOR = STATES.index("motor")
+#: Places in the drive's states of the conveyances' heights, and of their speeds.
+_HEIGHTS = slice(STATE_NAMES.index("y_left"), STATE_NAMES.index("y_right") + 1)
+_SPEEDS = slice(STATE_NAMES.index("v_left"), STATE_NAMES.index("v_right") + 1)
+#: Places in the drive's rates of the accelerations of sheave and conveyances.
+_ACCELERATIONS = slice(STATE_NAMES.index("phi_rate"), STATE_NAMES.index("v_right") + 1)
 
 
 @dataclass(frozen=True)
@@ -39,7 +60,7 @@ class LowFidelityModel:
     rates: Any  # ca.Function (x, jerk) -> x'
     # ca.Function (s, v, a of the reference) -> force at the rim of a full feed-forward [N]
     feed_forward: Any
-    start: Vector  # shape (STATES,)
+    start: Vector  # by STATES
 
 
 def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> LowFidelityModel:
@@ -77,8 +98,8 @@ def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> L
         (held + force - motor) / hoist.torque_lag,
         gains.speed * error / gains.integral_time,
     )
-    start = np.zeros(STATES)
-    start[9] = held
+    start = np.zeros(len(STATES))
+    start[_MOTOR] = held
     x = ca.vertcat(reference, q, v, motor, integral)
     fed = ca.Function(
         "feed_forward",
@@ -99,9 +120,9 @@ def _accelerations(plant: HoistPlant, rest: PlantState) -> Any:
     u[list(FORCES)] = F
     moved = equations(plant.hoist.equation_structure).rates(
         x, u, rest.free_lengths, plant.hoist.numbers
-    )[4:7]
+    )[_ACCELERATIONS]
     B = ca.jacobian(moved, F)
-    M, c = _mass_and_load(plant.hoist)(x[2:4], x[5:7])
+    M, c = _mass_and_load(plant.hoist)(x[_HEIGHTS], x[_SPEEDS])
     a_0 = ca.substitute(moved, F, -c)
     ends = ca.solve(ca.SX.eye(2) + B[1:, :] @ M, a_0[1:])
     return ca.Function("accelerations", [x], [a_0 - B @ M @ ends])

@@ -245,7 +245,7 @@ class _Reduction:
         first = self._models[0]
         band = self._band
         grid = self._grid
-        systems = list[_System]()
+        systems: list[_System] = []
         errors = []
         for model, basis, exact in zip(self._models, self._bases(states), self._exact, strict=True):
             A, B, C, D = _projected(model, basis)

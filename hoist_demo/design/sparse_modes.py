@@ -49,7 +49,7 @@ def sparse_modes(
     top = _factorised(K, M, highest)
     if top.below == 0:
         return np.zeros(0), np.zeros((K.shape[0], 0))
-    parts = list[tuple[Array, Array]]()
+    parts: list[tuple[Array, Array]] = []
     waiting = [(bottom, top)]
     while waiting:
         low, high = waiting.pop()

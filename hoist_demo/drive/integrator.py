@@ -48,7 +48,7 @@ SAFETY = 0.9  #: Factor on the step that the error allows.
 MIN_FACTOR = 0.5  #: Smallest factor from one step to the next.
 MAX_FACTOR = 1.5  #: Largest factor from one step to the next.
 MIN_ERROR = 1e-20  #: Errors over the tolerance count as no smaller, so that their root is finite.
-ROUNDING = 1e-9  #: Part of a step by which the rest may exceed it through rounding alone.
+STEP_ROUNDING = 1e-9  #: Part of a step by which the rest may exceed it through rounding alone.
 #: Largest time from the event, where the watched value becomes positive, to the end of the steps
 #: [s].
 EVENT_TOLERANCE = 1e-9
@@ -306,7 +306,7 @@ class Integrator:
         s, end = span
         largest_factor = MAX_FACTOR
         while size * h > MIN_STEP:
-            steps = max(1, math.ceil((end - s) / size - ROUNDING))
+            steps = max(1, math.ceil((end - s) / size - STEP_ROUNDING))
             used = (end - s) / steps
             y = self.evaluate(s, used)
             error = y.item(self._error)

@@ -7,12 +7,13 @@ for winding.settle, while its payloads change evenly to those of the next.
 from collections.abc import Collection
 from functools import cached_property
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 from pydantic import Field, model_validator
 
 from hoist_demo.cases.run_values import LevelHeader, RunFile, Values
 from hoist_demo.cases.table import find_case
+from hoist_demo.cosimulation.participants.identity import Identity, named_values
 from hoist_demo.files.reading import read
 from hoist_demo.files.values import VARIED, statuses, values_of
 from hoist_demo.parameters.problems import Problems
@@ -21,7 +22,7 @@ from hoist_demo.run.ropes import Ropes, require_unbroken, ropes_of
 from rope_model.physics.elementary import sum_of
 
 _PAYLOADS = ("hoist.payload_left", "hoist.payload_right")
-ROUNDING = 1e-9  #: Of heights [m].
+HEIGHT_ROUNDING = 1e-9  #: Of heights [m].
 
 
 class Duty(LevelHeader):
@@ -39,7 +40,7 @@ class Schedule(RunFile):
     @property
     def status_by_name(self) -> dict[str, str]:
         """Status of each value that is set, by name; varied if it differs between trips."""
-        status_by_name = dict[str, str]()
+        status_by_name: dict[str, str] = {}
         for values in (self.fixed, *self.trips):
             status_by_name |= statuses(values)
         runs = [values_of({**self.fixed, **trip}) for trip in self.trips]
@@ -51,7 +52,7 @@ class Schedule(RunFile):
     @cached_property
     def pattern(self) -> tuple[RunData, ...]:
         """Data of the listed trips, once each, from where the first of their cycles begins."""
-        runs = list[RunData]()
+        runs: list[RunData] = []
         with Problems() as problems:
             for k, trip in enumerate(self.trips, 1):
                 for key, entry in trip.items():
@@ -86,7 +87,7 @@ class Schedule(RunFile):
         cycle, place = divmod(number - 1, len(self.pattern))
         run = self.pattern[place]
         moved = cycle * sum(one.winding.travel for one in self.pattern)
-        if abs(moved) < ROUNDING:
+        if abs(moved) < HEIGHT_ROUNDING:
             return run
         if number not in self._later:
             self._later[number] = self._build(self.trips[place], run.start_height + moved)
@@ -103,11 +104,17 @@ class Schedule(RunFile):
         return self.pattern[0].start_height + whole + float(sum_of(travels[:places]))
 
     @property
-    def data(self) -> str:
+    def identity(self) -> Identity:
         """Data that a duty and its continuation must share: all but the number of repetitions."""
-        data = (self.header.hoist, self.level, self.pattern)
-        distinct = find_case(self.header.hoist).distinct_ropes
-        return repr((*data, distinct) if distinct else data)
+        values: dict[str, Any] = {"hoist": self.header.hoist, "level": self.level}
+        for k, run in enumerate(self.pattern, 1):
+            for name, value in run.identity.items():
+                values[f"trip {k}: {name}"] = value
+        for rope in find_case(self.header.hoist).distinct_ropes:
+            parts = (rope.parameters, rope.suspension, rope.breaks, {"number": rope.number})
+            for part in parts:
+                values |= named_values(part, f"rope {rope.name}")
+        return values
 
     def ropes(self, outputs: Collection[str] | None = None) -> Ropes:
         """Return the balance ropes, of which these `outputs` are recorded, as of `OneRope`."""
@@ -129,7 +136,7 @@ class Schedule(RunFile):
         for k in range(1, self.count + 1):
             winding = self.trip(k).winding
             end = self.landing(k)
-            if not -ROUNDING <= end <= top + ROUNDING:
+            if not -HEIGHT_ROUNDING <= end <= top + HEIGHT_ROUNDING:
                 raise ValueError(
                     f"trip {k}: winding.travel = {winding.travel:g} m leads to {end:g} m, which "
                     f"must be within 0 and hoist.shaft_travel = {top:g} m: shorten it, or let the "

@@ -126,7 +126,7 @@ def place_at_rest(
     """
     left = schedule.landing(0)
     rope.initialize(0.0, EndMotion(y=left), EndMotion(y=schedule.trip(1).hoist.shaft_travel - left))
-    places = dict[str, RestPlace]()
+    places: dict[str, RestPlace] = {}
     for name in names:
         prefix = f"{name}." if name else ""
         x, z = rope.reader([f"{prefix}loop.x", f"{prefix}loop.z"])().tolist()
@@ -202,7 +202,7 @@ def _yaw(recording: Recording, arrived: float) -> dict[str, float]:
 
 def trip_table(rows: Sequence[Mapping[str, float]], cycle: int) -> Recording:
     """Return all rows as columns, with the change from the trip a cycle before."""
-    columns = dict[str, Array]()
+    columns: dict[str, Array] = {}
     for name in rows[-1]:
         columns[name] = np.array([row[name] for row in rows])
     columns["difference"] = differences(columns, cycle)

@@ -8,12 +8,14 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from hoist_demo.cosimulation.checkpoint import Checkpoint, differences
+from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Progress
+from hoist_demo.cosimulation.participants.identity import differences
 from hoist_demo.cosimulation.run_state import Result, TripEnd
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.cosimulation.trip_plan import NeighbouringTrips
-from hoist_demo.duty.schedule import ROUNDING, Schedule
+from hoist_demo.design.controllers import design_drive
+from hoist_demo.duty.schedule import HEIGHT_ROUNDING, Schedule
 from hoist_demo.recording.incidents import guard_trip, jams
 from hoist_demo.recording.ropes import computed
 from hoist_demo.recording.time_series import Recording
@@ -46,15 +48,15 @@ def wind_duty(
     trip whom to tell. The last trip is one that does not end, or in which the safety circuit opens
     or a conveyance jams, where there is such a one.
     """
-    drives = [run.design() for run in schedule.pattern]
-    closed = abs(schedule.landing(len(drives)) - schedule.landing(0)) < ROUNDING
+    drives = [design_drive(run) for run in schedule.pattern]
+    closed = abs(schedule.landing(len(drives)) - schedule.landing(0)) < HEIGHT_ROUNDING
     for number in range(done + 1, schedule.count + 1):
         run = schedule.trip(number)
         is_designed = closed or number <= len(drives)
         if is_designed:
             drive = drives[(number - 1) % len(drives)]
         else:
-            drive = run.design()
+            drive = design_drive(run)
         result = wind_run(
             run,
             rope,
@@ -85,7 +87,7 @@ def write_state(
         scheme_state=end.scheme_state,
         rope=rope.to_bytes(rope.save()),
         recording=trips,
-        data=schedule.data,
+        identity=schedule.identity,
         cause="",
     )
     checkpoint.write(path)
@@ -104,8 +106,8 @@ def read_state(
         raise ValueError(
             f"{error}; or delete {path}: the trips are then wound again from the first"
         ) from error
-    if last.data != schedule.data:
-        changes = differences(last.data, schedule.data)
+    changes = differences(last.identity, schedule.identity)
+    if changes:
         raise ValueError(f"'{path}' must be of this schedule, but {changes}: give another --out")
     try:
         rope.restore(rope.from_bytes(last.rope))

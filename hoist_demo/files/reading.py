@@ -17,7 +17,7 @@ from typing import Annotated, Any, NamedTuple, TypeVar, get_args
 import pydantic
 
 from hoist_demo.files.values import ValueTable, value_type
-from hoist_demo.parameters.quantity import Parameter
+from hoist_demo.parameters.quantity import FileParameter
 from rope_model.texts import printable
 
 
@@ -74,13 +74,15 @@ class Flat:
 
 
 def table_of(
-    name: str, parameters: Iterable[Parameter], leaf: Callable[[Parameter], Any] = value_type
+    name: str,
+    parameters: Iterable[FileParameter],
+    leaf: Callable[[FileParameter], Any] = value_type,
 ) -> type[Table]:
     """Return the model of a table with these parameters, whose names may have more dots.
 
     `leaf` gives their types.
     """
-    members_by_key: dict[str, list[Parameter]] = {}
+    members_by_key: dict[str, list[FileParameter]] = {}
     for parameter in parameters:
         key = parameter.name.removeprefix(f"{name}.").partition(".")[0]
         members_by_key.setdefault(key, []).append(parameter)
@@ -143,7 +145,7 @@ def read(
     try:
         return model.model_validate(tables, context=(*opened, path))
     except pydantic.ValidationError as error:
-        problems = list[str]()
+        problems: list[str] = []
         for one in error.errors():
             problems += _problems(_keys(model), one)
         raise FileError(path, problems) from error

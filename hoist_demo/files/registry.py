@@ -14,7 +14,7 @@ from pydantic import Field, ValidationError, create_model
 from hoist_demo.control.controller import Gains
 from hoist_demo.files.reading import table_of
 from hoist_demo.parameters import SIDES, Arrival, Coupling, Hoist, Winding
-from hoist_demo.parameters.quantity import Bounds, Parameter, Value, leaves
+from hoist_demo.parameters.quantity import FileParameter, NumberRange, Value, leaves
 from hoist_demo.parameters.trip_design import CONTROLLERS, Shaper, TrajectoryOptions
 from rope_model import Scene
 from rope_model.scene_names import choices_of, named_parameters
@@ -28,7 +28,7 @@ SECTIONS: dict[str, type[Any]] = {
     "trajectory": TrajectoryOptions,
     "arrival": Arrival,
 }
-CONTROLLER = Parameter("controller", "1", "String", "pi-feed-forward", choices=CONTROLLERS)
+CONTROLLER = FileParameter("controller", "1", "String", "pi-feed-forward", choices=CONTROLLERS)
 _Data = create_model("Data", **{name: (kind, kind()) for name, kind in SECTIONS.items()})  # type: ignore[call-overload]
 
 
@@ -37,7 +37,7 @@ def data_of(values: Mapping[str, Value]) -> dict[str, Any]:
 
     A part of which none is given is None.
     """
-    nested = dict[str, Any]()
+    nested: dict[str, Any] = {}
     for name in filter(host_parameters().__contains__, values):
         *tables, key = name.split(".")
         reduce(lambda inner, one: inner.setdefault(one, {}), tables, nested)[key] = values[name]
@@ -52,16 +52,16 @@ def data_of(values: Mapping[str, Value]) -> dict[str, Any]:
 
 
 @cache
-def rope_parameters() -> dict[str, Parameter]:
+def rope_parameters() -> dict[str, FileParameter]:
     """Return the parameters of a rope and its surroundings by FMI name."""
-    by_name = dict[str, Parameter]()
+    by_name: dict[str, FileParameter] = {}
     for p in named_parameters(Scene()):
-        by_name[p.name] = Parameter(
+        by_name[p.name] = FileParameter(
             p.name,
             unit=p.facts.unit or "1",
             kind=p.kind,
             start=p.value,
-            bounds=Bounds(p.minimum, p.maximum),
+            bounds=NumberRange(p.minimum, p.maximum),
             choices=choices_of(p.name),
             meaning=p.facts.description,
         )
@@ -72,7 +72,7 @@ SWIVELS = "swivels"  #: Table with parameters of both swivels.
 
 
 @cache
-def swivel_parameters() -> tuple[Parameter, ...]:
+def swivel_parameters() -> tuple[FileParameter, ...]:
     """Return the parameters of both swivels, which count less than those of one."""
     of_left = (p for p in rope_parameters().values() if p.name.startswith("left.swivel."))
     return tuple(replace(p, name=p.name.replace("left.swivel", SWIVELS)) for p in of_left)
@@ -80,7 +80,7 @@ def swivel_parameters() -> tuple[Parameter, ...]:
 
 def at_both_ends(values: Iterable[tuple[str, Any]]) -> dict[str, Any]:
     """Return values by name, with those of `swivels` repeated for both ends."""
-    expanded = dict[str, Any]()
+    expanded: dict[str, Any] = {}
     for key, value in sorted(values, key=lambda item: not item[0].startswith(f"{SWIVELS}.")):
         if key.startswith(f"{SWIVELS}."):
             name = key.removeprefix(f"{SWIVELS}.")
@@ -92,7 +92,7 @@ def at_both_ends(values: Iterable[tuple[str, Any]]) -> dict[str, Any]:
 
 
 @cache
-def host_parameters() -> dict[str, Parameter]:
+def host_parameters() -> dict[str, FileParameter]:
     """Return the parameters of hoist, trip, controller and coupling by their names in files."""
     by_name = {CONTROLLER.name: CONTROLLER}
     for section, data in SECTIONS.items():
@@ -102,13 +102,13 @@ def host_parameters() -> dict[str, Parameter]:
 
 
 @cache
-def group_table(group: str, leaf: Callable[[Parameter], Any]) -> Any:
+def group_table(group: str, leaf: Callable[[FileParameter], Any]) -> Any:
     """Return the type of a table that all parameters of a group have, which `leaf` gives theirs."""
     every = (*host_parameters().values(), *rope_parameters().values(), *swivel_parameters())
     return table_of(group, [p for p in every if p.name.startswith(f"{group}.")], leaf)
 
 
-def run_fields(leaf: Callable[[Parameter], Any]) -> dict[str, Any]:
+def run_fields(leaf: Callable[[FileParameter], Any]) -> dict[str, Any]:
     """Return the fields of a model with all parameters of a run, of types by `leaf`."""
     names = (*host_parameters(), *rope_parameters())
     groups = dict.fromkeys(name.partition(".")[0] for name in names if name != CONTROLLER.name)
@@ -116,7 +116,7 @@ def run_fields(leaf: Callable[[Parameter], Any]) -> dict[str, Any]:
     return {CONTROLLER.name: (leaf(CONTROLLER), Field(default=None)), **tables}
 
 
-def parameters(rope: Mapping[str, Parameter] | None = None) -> dict[str, Parameter]:
+def parameters(rope: Mapping[str, FileParameter] | None = None) -> dict[str, FileParameter]:
     """Return all parameters of runs by name.
 
     `rope` are those of an FMU, in the place of a scene's.

@@ -32,7 +32,7 @@ from hoist_demo.files.values import (
     values_of,
 )
 from hoist_demo.parameters.problems import Problems
-from hoist_demo.parameters.quantity import NONNEGATIVE, POSITIVE, Parameter
+from hoist_demo.parameters.quantity import NONNEGATIVE, POSITIVE, FileParameter
 from rope_model import Datum, KnownRope, rope
 from rope_model.catalogue import PROPERTIES, Lay
 from rope_model.texts import printable
@@ -56,7 +56,7 @@ _DERIVED = ("rope.rhoJ", "hoist.tail_rope_mass")  #: Those that are no property 
 
 def following_statuses(statuses: Mapping[str, str]) -> dict[str, str]:
     """Return the statuses of a rope's parameters, by the statuses of its properties."""
-    following = dict[str, str]()
+    following: dict[str, str] = {}
     for key, status in statuses.items():
         for name in _FOLLOWING.get(key, ()):
             by_rule = name in _DERIVED and status != VARIED
@@ -85,7 +85,7 @@ class CatalogueQuery(Table):
 
 _BOUNDS = dict.fromkeys(PROPERTIES, POSITIVE) | {"torque_factor": NONNEGATIVE}
 _PROPERTY_TABLE = [
-    Parameter(name, p.unit, "Real", bounds=_BOUNDS[name], meaning=name)
+    FileParameter(name, p.unit, "Real", bounds=_BOUNDS[name], meaning=name)
     for name, p in PROPERTIES.items()
 ]
 Properties = Annotated[
@@ -128,7 +128,7 @@ class KnownFile(File):
         A ValueError lists all that is wrong.
         """
         arguments = {key: entry for key, entry in self.catalogue_arguments.items() if entry != ""}
-        needed = list[str]()
+        needed: list[str] = []
         if "construction" not in arguments:
             needed = [name for name in PROPERTIES if name not in self.ranges]
         if "diameter" not in arguments or needed:

@@ -18,7 +18,7 @@ from pydantic import (
     WithJsonSchema,
 )
 
-from hoist_demo.parameters.quantity import Parameter, Value, fmi_unit
+from hoist_demo.parameters.quantity import FileParameter, Value, fmi_unit
 from rope_model import DatumStatus
 from rope_model.texts import printable
 
@@ -89,7 +89,7 @@ class ParameterValue:
 
 def values_of(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values without status and source, by name."""
-    values_by_name = dict[str, Any]()
+    values_by_name: dict[str, Any] = {}
     for key, entry in values.items():
         if isinstance(entry, ParameterValue):
             values_by_name[key] = entry.value
@@ -139,7 +139,7 @@ class ValueTable(BaseModel):
     high: Any = None
 
 
-def value_type(parameter: Parameter) -> Any:
+def value_type(parameter: FileParameter) -> Any:
     """Return the type of a key for pydantic: what it holds is a ParameterValue."""
     read = AfterValidator(partial(_parameter_value, parameter))
     table = BeforeValidator(_as_table)
@@ -152,7 +152,7 @@ def _as_table(content: object) -> object:
     return {"value": content}
 
 
-def _parameter_value(parameter: Parameter, table: ValueTable) -> ParameterValue:
+def _parameter_value(parameter: FileParameter, table: ValueTable) -> ParameterValue:
     low = _read_end(parameter, table.low, table.unit)
     high = _read_end(parameter, table.high, table.unit)
     if low is not None and high is not None and low > high:
@@ -177,14 +177,14 @@ def _parameter_value(parameter: Parameter, table: ValueTable) -> ParameterValue:
     return ParameterValue(value, table.status, table.source, low, high)
 
 
-def _read_end(parameter: Parameter, content: Any, unit: str) -> float | None:
+def _read_end(parameter: FileParameter, content: Any, unit: str) -> float | None:
     """Return an end of a range in the parameter's unit; None where the file has none."""
     if content is None:
         return None
     return float(read_value(parameter, content, unit))
 
 
-def read_value(parameter: Parameter, content: Any, unit: str = "") -> Value:
+def read_value(parameter: FileParameter, content: Any, unit: str = "") -> Value:
     """Return a plain value in the parameter's unit, which may stand behind the number: "22 t"."""
     if isinstance(content, str) and not parameter.choices and parameter.numeric:
         match = _WITH_UNIT.fullmatch(content)
@@ -205,7 +205,7 @@ def read_value(parameter: Parameter, content: Any, unit: str = "") -> Value:
     return parameter.read(content)
 
 
-def _converted(parameter: Parameter, number: str | float, unit: str) -> float:
+def _converted(parameter: FileParameter, number: str | float, unit: str) -> float:
     """Return a number with this unit in the parameter's unit, rounded once.
 
     52 mm are 0.052 m, to the last bit.
@@ -252,7 +252,7 @@ def _factor(unit: str, to: str) -> Fraction | None:
 _exact_units = cache(lambda pint: pint.UnitRegistry(non_int_type=Fraction))  # made in half a second
 
 
-def value_schema(parameter: Parameter) -> dict[str, Any]:
+def value_schema(parameter: FileParameter) -> dict[str, Any]:
     """Return the JSON Schema of a value with its unit and status."""
     without_table = list(_schemas_without_table(parameter))
     end_of_range = without_table[0] if parameter.numeric else False
@@ -270,7 +270,7 @@ ParameterValues = dict[str, ParameterValue]
 _table_schema = cache(ValueTable.model_json_schema)
 
 
-def _schemas_without_table(parameter: Parameter) -> Iterable[dict[str, Any]]:
+def _schemas_without_table(parameter: FileParameter) -> Iterable[dict[str, Any]]:
     """Yield the schemas of a value that stands without status, source and range."""
     if parameter.choices and parameter.kind == "String":
         yield {"enum": [*parameter.choices]}

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from hoist_demo.parameters.components import require
-from hoist_demo.parameters.quantity import UNBOUNDED, Bounds, ValidatedData, parameter
+from hoist_demo.parameters.quantity import UNBOUNDED, NumberRange, ValidatedData, parameter
 
 #: Part of a sample time that rounding may leave between it and whole steps.
 SAMPLE_TOLERANCE = 1e-9
@@ -15,7 +15,7 @@ class Coupling(ValidatedData):
     """Exchange of data between drive and rope."""
 
     step: float = parameter(
-        0.01, "s", "communication step H", Bounds(0.0, 0.1, True, "take 0.005 to 0.02 s")
+        0.01, "s", "communication step H", NumberRange(0.0, 0.1, True, "take 0.005 to 0.02 s")
     )
     start: float = parameter(0.0, "s", "simulated time at the start", UNBOUNDED)
     #: one of hoist_demo.cosimulation.schemes.catalogue

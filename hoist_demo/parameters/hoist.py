@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play, require
-from hoist_demo.parameters.quantity import NONNEGATIVE, Bounds, ValidatedData, parameter
+from hoist_demo.parameters.quantity import NONNEGATIVE, NumberRange, ValidatedData, parameter
 from rope_model.physics.elementary import Scalar, maximum, sum_of
 
 GRAVITY = 9.81  #: Acceleration of free fall [m/s^2].
@@ -31,11 +31,11 @@ ASSUMED_DATA = (
 )
 
 #: bounds far beyond any hoist: what is out of them has another unit
-_MODES = Bounds(0, 20, cure="2 suit most studies, 0 leaves them out")
-_COUNT = Bounds(1, 20, cure="count the ropes")
-_STIFFNESS = Bounds(1e5, 1e10, cure="give EA of one rope in N: 26 MN are 2.6e7")
-_FRICTION = Bounds(0.01, 2.0, cure="give it as a pure number: 25 % are 0.25")
-_ANGLE = Bounds(0.1, 4.0 * math.pi, cure="give it in rad: 180 degrees are 3.1416")
+_MODES = NumberRange(0, 20, cure="2 suit most studies, 0 leaves them out")
+_COUNT = NumberRange(1, 20, cure="count the ropes")
+_STIFFNESS = NumberRange(1e5, 1e10, cure="give EA of one rope in N: 26 MN are 2.6e7")
+_FRICTION = NumberRange(0.01, 2.0, cure="give it as a pure number: 25 % are 0.25")
+_ANGLE = NumberRange(0.1, 4.0 * math.pi, cure="give it in rad: 180 degrees are 3.1416")
 
 
 @dataclass(frozen=True)

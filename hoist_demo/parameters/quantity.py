@@ -15,7 +15,7 @@ T = TypeVar("T")
 _LARGEST_NUMBER = 1e300  #: Largest number that can be computed with.
 
 
-class Bounds(NamedTuple):
+class NumberRange(NamedTuple):
     """Bounds of a number, none where they are None, and the advice for one beyond them."""
 
     lower: float | None = None
@@ -45,13 +45,13 @@ class Bounds(NamedTuple):
         return self.upper is None or value <= self.upper
 
 
-POSITIVE = Bounds(0.0, opens=True)  #: Bounds of most quantities.
-NONNEGATIVE = Bounds(0.0)  #: Bounds of quantities that may be 0.
-UNBOUNDED = Bounds()  #: Bounds of quantities of either sign.
-FRACTION = Bounds(0.0, 1.0, True, "give a fraction")  #: Bounds of a share.
+POSITIVE = NumberRange(0.0, opens=True)  #: Bounds of most quantities.
+NONNEGATIVE = NumberRange(0.0)  #: Bounds of quantities that may be 0.
+UNBOUNDED = NumberRange()  #: Bounds of quantities of either sign.
+FRACTION = NumberRange(0.0, 1.0, True, "give a fraction")  #: Bounds of a share.
 
 
-def parameter(default: T, unit: str, meaning: str = "", bounds: Bounds = POSITIVE) -> T:
+def parameter(default: T, unit: str, meaning: str = "", bounds: NumberRange = POSITIVE) -> T:
     """Return a field with unit ("-" of a pure number), meaning beyond its name, and bounds."""
     return field(default=default, metadata={"unit": unit, "description": meaning, "bounds": bounds})
 
@@ -78,14 +78,14 @@ def word_of(choices: Iterable[str], value: object) -> str | None:
 
 
 @dataclass(frozen=True)
-class Parameter:
+class FileParameter:
     """A parameter by its name in files."""
 
     name: str
     unit: str  # FMI's spelling, "1" for none
     kind: str  # Real, Integer, Boolean or String
     start: Value = ""  # value where it is not set; a data class of the host has its own
-    bounds: Bounds = UNBOUNDED
+    bounds: NumberRange = UNBOUNDED
     choices: tuple[str, ...] = ()  # words of a text, or of the codes of a number
     meaning: str = ""
 
@@ -160,7 +160,7 @@ class Parameter:
 _KINDS = {bool: "Boolean", int: "Integer", str: "String", float: "Real"}
 
 
-def leaves(data: Any, prefix: str = "") -> Iterator[Parameter]:
+def leaves(data: Any, prefix: str = "") -> Iterator[FileParameter]:
     """Yield all single values of a data class by dotted names.
 
     `brake: Brake | None` stands for the brake's own.
@@ -174,9 +174,9 @@ def leaves(data: Any, prefix: str = "") -> Iterator[Parameter]:
         start = cast(Any, one.default)
         meaning = str(one.metadata.get("description", ""))
         if get_origin(hint) is Literal:
-            yield Parameter(name, "1", "String", start, choices=get_args(hint), meaning=meaning)
+            yield FileParameter(name, "1", "String", start, choices=get_args(hint), meaning=meaning)
         elif kind is not None:
-            yield Parameter(
+            yield FileParameter(
                 name,
                 unit=fmi_unit(one.metadata.get("unit", "")),
                 kind=kind,
@@ -208,5 +208,5 @@ class ValidatedData:
 
 
 @cache
-def _checks(data: Any, of: str) -> list[tuple[str, Parameter]]:
+def _checks(data: Any, of: str) -> list[tuple[str, FileParameter]]:
     return [(p.name, replace(p, name=f"{of}{p.name}")) for p in leaves(data) if "." not in p.name]

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from hoist_demo.parameters.quantity import NONNEGATIVE, Bounds, ValidatedData, parameter
+from hoist_demo.parameters.quantity import NONNEGATIVE, NumberRange, ValidatedData, parameter
 
 #: Names; design.controllers has them.
 CONTROLLERS = ("pi", "pi-feed-forward", "input-shaping", "optimised-trajectory")
@@ -24,7 +24,7 @@ class Shaper(ValidatedData):
         NONNEGATIVE,
     )
     damping: float = parameter(
-        0.0, "1", "damping ratio of the mode", Bounds(0.0, 0.999, cure="measure it")
+        0.0, "1", "damping ratio of the mode", NumberRange(0.0, 0.999, cure="measure it")
     )
 
 
@@ -41,5 +41,5 @@ class TrajectoryOptions(ValidatedData):
         120,
         "1",
         "number of intervals of the trip",
-        Bounds(20, 2000, cure="take about 8 per second"),
+        NumberRange(20, 2000, cure="take about 8 per second"),
     )

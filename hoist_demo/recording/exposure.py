@@ -97,7 +97,7 @@ _DECADES = {"tension": (1, 5), "curvature": (-3, 0), "torque": (-1, 2)}
 
 def _one_two_five(first: int, last: int) -> tuple[float, ...]:
     """Return 1, 2 and 5 times each power of ten."""
-    edges = list[float]()
+    edges: list[float] = []
     for power in range(first, last + 1):
         edges += [float(f"1e{power}"), float(f"2e{power}"), float(f"5e{power}")]
     return tuple(edges)
@@ -167,7 +167,7 @@ def exposure(recording: Recording, parameters: Mapping[str, Any]) -> Recording |
 
 def spectra_table(recording: Recording) -> Recording:
     """Return the amplitudes over frequency at each station, `tension[1]` and so on."""
-    columns = dict[str, Array]()
+    columns: dict[str, Array] = {}
     units = {"frequency": "Hz"}
     for name in VIBRATING:
         of_stations = spectra(recording.time, at_stations(recording, name))
@@ -197,7 +197,7 @@ def _joint(parts: Sequence[Recording], name: str) -> Array:
 
 def flatten(exposed: Recording) -> dict[str, float]:
     """Return the table as one row: `station.bent[1]` and so on."""
-    row = dict[str, float]()
+    row: dict[str, float] = {}
     for name, column in exposed.signals.items():
         for station, value in enumerate(column, 1):
             row[f"station.{name}[{station}]"] = float(value)

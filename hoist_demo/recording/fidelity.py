@@ -100,7 +100,7 @@ def _when(fidelity: str, recording: Recording) -> str:
 
 @lru_cache(maxsize=16)  # a study's recordings are alike
 def _names(effects: tuple[Effect, ...], signals: tuple[str, ...]) -> tuple[str, ...]:
-    affected = set[str]()
+    affected: set[str] = set()
     for effect in effects:
         affected |= {name for name in signals if effect.has(name)}
     return tuple(name for name in signals if name in affected)

@@ -35,7 +35,7 @@ def passages(recording: Recording, rope: str = "the rope") -> str:
 
     "" for nothing.
     """
-    touched = list[str]()
+    touched: list[str] = []
     for name, label in BODIES.items():
         if _last(recording, f"nearest.{name}.clearance", 1.0) <= 0.0:
             since = f"nearest.{name}.touched_at"

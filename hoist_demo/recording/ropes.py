@@ -61,7 +61,7 @@ def _signals_of(recording: Recording, name: str) -> Recording:
     if not name:
         return recording
     signals = {TIME: recording.time}
-    units = dict[str, str]()
+    units: dict[str, str] = {}
     for whole, values in recording.signals.items():
         if whole.startswith(f"{name}."):
             key = whole.removeprefix(f"{name}.")

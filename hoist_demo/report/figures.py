@@ -182,7 +182,7 @@ def write_duty_figure(trips: Recording, path: Path) -> Path:
 
 def _curves_over_trips(trips: Recording, curves: Mapping[str, str]) -> dict[str, str]:
     """Return the columns of a panel with their labels; of several ropes with each rope's name."""
-    found = dict[str, str]()
+    found: dict[str, str] = {}
     for column, values in trips.signals.items():
         rope, _, name = column.rpartition(".")
         if name in curves and np.isfinite(values).any():

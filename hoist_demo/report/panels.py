@@ -26,7 +26,7 @@ RIGHT = "right"  #: Style of the right end.
 REFERENCE = "asked"  #: Style of a reference.
 STYLES = "abcde"  #: Styles without a meaning.
 _DEGREES = 180.0 / math.pi
-ROUNDING = 1e-6  #: Range of a constant signal, as a part of its panel's least height.
+CONSTANT_RANGE = 1e-6  #: Range of a constant signal, as a part of its panel's least height.
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,7 @@ def is_constant(recording: Recording, panel: Panel) -> bool:
     ]
     if len(recorded) < len(panel.lines):
         return False
-    return bool(max(recorded) <= ROUNDING * panel.min_range)
+    return bool(max(recorded) <= CONSTANT_RANGE * panel.min_range)
 
 
 def _ends(pattern: str, factor: float = 1.0) -> tuple[Line, Line]:
@@ -320,7 +320,7 @@ def marks(result: Result) -> list[Mark]:
 
 def transformations(recording: Recording, names: Sequence[str] = ("",)) -> list[float]:
     """First recorded instants [s] after a transformation of a rope's mesh, in ascending order."""
-    instants = set[float]()
+    instants: set[float] = set()
     for name in names:
         rope = rope_signals(recording, name)
         if "count.transformations" in rope:
@@ -336,7 +336,7 @@ def slips(
 
     A recorded state holds until the next row.
     """
-    intervals = list[tuple[float, float]]()
+    intervals: list[tuple[float, float]] = []
     signal = f"{end}.swivel.slipping"
     for name in names:
         rope = rope_signals(recording, name)

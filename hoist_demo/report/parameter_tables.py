@@ -30,7 +30,7 @@ def rope_tables(
     ]
     if rope.fidelity_reason:
         head.append(("because", rope.fidelity_reason, ""))
-    parameters = list[Row]()
+    parameters: list[Row] = []
     for name in rope.parameters:
         unit = unit_text(rope.units.get(name, ""))
         status = statuses.get(f"{rope.prefix}{name}", "")

@@ -65,11 +65,11 @@ def rows_of_ropes(
     ropes: Sequence[RopeRecord], rows_of: Callable[[RopeRecord], Iterator[VerdictRow]]
 ) -> list[VerdictRow]:
     """Return the rows of all ropes, comparable ones side by side."""
-    by_quantity = dict[str, list[tuple[RopeData, VerdictRow]]]()
+    by_quantity: dict[str, list[tuple[RopeData, VerdictRow]]] = {}
     for rope in ropes:
         for row in rows_of(rope):
             by_quantity.setdefault(row.quantity, []).append((rope.data, row))
-    shown = dict[VerdictRow, None]()  # each row once
+    shown: dict[VerdictRow, None] = {}  # each row once
     for quantity, rows in by_quantity.items():
         equal = len(rows) == len(ropes) and len({row for _, row in rows}) == 1
         for data, row in rows:
@@ -159,7 +159,7 @@ def clearances(rope: RopeRecord) -> Iterator[VerdictRow]:
 
 def swivels(rope: RopeRecord) -> Iterator[VerdictRow]:
     """Yield for how long the swivels slipped."""
-    texts = dict[str, str]()
+    texts: dict[str, str] = {}
     since = ""
     for end in SIDES:
         name = f"{end}.swivel.slipping"

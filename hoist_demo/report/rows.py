@@ -55,7 +55,7 @@ class Report:
 
 def rows_by_group(rows: Sequence[SummaryRow]) -> dict[str, list[SummaryRow]]:
     """Return the rows by their groups, both in reading order."""
-    groups = dict[str, list[SummaryRow]]()
+    groups: dict[str, list[SummaryRow]] = {}
     for row in rows:
         groups.setdefault(row.group, []).append(row)
     return groups
@@ -128,7 +128,7 @@ def status_rows(data: Sequence[SourcedValue]) -> list[SummaryRow]:
 
 def provenance_table(data: Sequence[SourcedValue]) -> TitledRows:
     """Return the data without settings, sorted by STATUSES."""
-    rows = list[Row]()
+    rows: list[Row] = []
     for one in sorted(data, key=lambda one: STATUSES.index(one.status)):
         if one.status != SETTING:
             if isinstance(one.value, str):

@@ -54,8 +54,8 @@ def judge(
     """Judge a run with its ropes and pairs of them; `warnings` are those of ropes and host."""
     recording = result.recording
     arrival = arrival or Arrival()
-    ropes = list[RopeRecord]()
-    rows = list[VerdictRow]()
+    ropes: list[RopeRecord] = []
+    rows: list[VerdictRow] = []
     if recording.signals:
         ropes = [RopeRecord(rope_signals(recording, one.name), one) for one in data]
         rows = _rows(result, hoist, ropes, pairs, arrival)

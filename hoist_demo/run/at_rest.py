@@ -9,10 +9,10 @@ from hoist_demo.cases.case import Case
 from hoist_demo.design.statics import at_rest
 from hoist_demo.parameters import Hoist
 from hoist_demo.parameters.quantity import Value
-from hoist_demo.run.data import build
+from hoist_demo.run.data import build_single_trip
 from hoist_demo.run.ropes import OneRope, ropes_of
 from rope_model import EndMotion, Scene, balance_rope
-from rope_model.analysis.modes import natural_modes
+from rope_model.analysis.modes import NoModesError, natural_modes
 from rope_model.engine import NativeRope
 
 MODES = 4  #: Number of the rope's lowest modes.
@@ -62,7 +62,7 @@ def ropes_at_rest(case: Case, name: str, values: Mapping[str, Value]) -> list[Ro
 
     `name` is how the hoist is found, `values` are set beside its file.
     """
-    run = build(name, values).as_single_trip()
+    run = build_single_trip(name, values)
     ropes = ropes_of(case, run, {}, case.level).ropes
     return [_at_rest(rope, case.hoist) for rope in ropes]
 
@@ -75,7 +75,7 @@ def _at_rest(rope: OneRope, hoist: Hoist) -> RopeAtRest:
     no_modes = ""
     try:
         modes = _lowest_modes(rope.scene, hoist.shaft_travel)
-    except ValueError as error:
+    except NoModesError as error:
         no_modes = str(error)
     return RopeAtRest(
         rope,
@@ -90,12 +90,12 @@ def _at_rest(rope: OneRope, hoist: Hoist) -> RopeAtRest:
 
 
 def _lowest_modes(scene: Scene, travel: float) -> tuple[Mode, ...]:
-    """Return the lowest modes in the middle of the trip; ValueError where the rope has none."""
+    """Return the lowest modes in the middle of the trip; NoModesError where the rope has none."""
     # a rope that is computed as rigid or planar swings out of its plane too
     rope = NativeRope(scene.with_(model=replace(scene.model, fidelity="torsional")))
     status = rope.initialize(0.0, EndMotion(y=0.5 * travel), EndMotion(y=0.5 * travel))
     if not status.valid:
-        raise ValueError(status.message)
+        raise NoModesError(status.message)
     modes = natural_modes(rope, MODES)
     return tuple(
         Mode(float(frequency), bool(out_of_plane > _MOSTLY))

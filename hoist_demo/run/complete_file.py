@@ -10,7 +10,7 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.files.registry import rope_parameters
 from hoist_demo.files.values import ASSUMED, GIVEN, STATUSES, ParameterValue
 from hoist_demo.parameters.quantity import Value
-from hoist_demo.run.data import RunData, build
+from hoist_demo.run.data import RunData, build_single_trip
 from hoist_demo.run.provenance import SETTING, SourcedValue, host_provenance, statuses
 from hoist_demo.run.ropes import ropes_of
 
@@ -85,7 +85,7 @@ def _rope_table(
     rope: RopeData, run: RunData, shared: Collection[str], entries: _Entries
 ) -> dict[str, ParameterValue]:
     """Return the [[rope]] table: number or name and place, break, and parameters of its own."""
-    values = dict[str, Value]()
+    values: dict[str, Value] = {}
     if rope.name:
         values["rope.name"] = rope.name
         for key, x in vars(rope.suspension).items():
@@ -138,7 +138,7 @@ def hoist_provenance(
 
 
 def _wound_hoist(case: Case, name: str, values: Mapping[str, Value]) -> _WoundHoist:
-    run = build(name, values).as_single_trip()
+    run = build_single_trip(name, values)
     ropes = ropes_of(case, run, {}, case.level)
     provenance = [*host_provenance(run, {}), *ropes.provenance({})]
     return _WoundHoist(replace(run, hoist=ropes.hoist), ropes.data(), provenance)

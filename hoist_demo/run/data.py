@@ -17,7 +17,8 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cases.rules import with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.design.controllers import Task
+from hoist_demo.cosimulation.participants.identity import Identity, named_values
+from hoist_demo.design.controllers import DesignTask
 from hoist_demo.files.registry import CONTROLLER, data_of, host_parameters
 from hoist_demo.files.values import GIVEN, ParameterValue, values_of
 from hoist_demo.parameters import GRAVITY, Arrival, Coupling, Hoist
@@ -43,7 +44,7 @@ _RECORD_KEYS = {"rope_values": "fmu", "status_by_name": "given"}
 
 
 @dataclass(frozen=True)
-class RunData(Task):
+class RunData(DesignTask):
     """Everything that decides a run's result but the FMU's bytes."""
 
     case: str  # the hoist, by name or file
@@ -63,14 +64,15 @@ class RunData(Task):
             if name not in _DESIGN_FIELDS or value is not None
         }
 
-    def as_single_trip(self) -> "RunData":
-        """Return the run as a trip that begins at a landing; refuse a jam that it misses."""
-        require_jams_on_the_way(self.hoist, self.winding)
-        return self
+    @property
+    def identity(self) -> Identity:
+        """All that decides the result, by name, but the FMU's bytes."""
+        values = named_values(replace(self, rope_values={}))
+        return values | dict(self.rope_values)
 
     def host_values(self) -> dict[str, Value]:
         """Return the host's values by their names in files, without parts that are None."""
-        values = dict[str, Value]()
+        values: dict[str, Value] = {}
         for name in host_parameters():
             value: Any = self
             for part in name.split("."):
@@ -145,6 +147,22 @@ def build(
     return run
 
 
+def build_single_trip(
+    case: str,
+    values: Mapping[str, Value | ParameterValue],
+    signals: tuple[str, ...] = (),
+    varied: Mapping[str, Value | ParameterValue] | None = None,
+    nominal: Mapping[str, Value | ParameterValue] | None = None,
+) -> RunData:
+    """Return the data of a run of one trip, from a landing; ValueError also for a jam that it misses.
+
+    The arguments are those of `build`.
+    """
+    run = build(case, values, signals, varied, nominal)
+    require_jams_on_the_way(run.hoist, run.winding)
+    return run
+
+
 def _designed(case: Case, nominal: Mapping[str, Value]) -> Case:
     """Return the hoist with the values at which its trip is designed."""
     hoist = data_of({**values_of(case.host), **nominal})["hoist"]
@@ -152,7 +170,7 @@ def _designed(case: Case, nominal: Mapping[str, Value]) -> Case:
 
 
 #: Swings by all that decides them: many runs of a study share one design.
-_SWINGS = dict[str, "ArrivalSwing"]()
+_SWINGS: dict[str, "ArrivalSwing"] = {}
 
 
 def _swing(case: Case, start: float) -> "ArrivalSwing":

@@ -20,7 +20,7 @@ from rope_model import EndMotion, Level
 
 MAX_LISTED = 5  #: Differences between an FMU and a hoist that a message lists.
 #: Relative difference of two numbers that the text of a start value may leave by rounding.
-ROUNDING = 1e-12
+TEXT_ROUNDING = 1e-12
 
 
 class Probe:
@@ -67,7 +67,7 @@ class Probe:
             if name not in run.rope_values
         }
         levels = sorted(get_args(Level), key=lambda level: level != find_case(run.case).level)
-        differences = list[dict[str, Value]]()
+        differences: list[dict[str, Value]] = []
         for level in levels:
             with suppress(ValueError):  # the hoist's own settings do not fit this level
                 scene = rope_scene(run.rope_values, level)
@@ -96,7 +96,7 @@ class Probe:
 
 def _differing(starts: Mapping[str, Value | None], scene: Mapping[str, Value]) -> dict[str, Value]:
     """Return the values of a scene from which an FMU's start values differ, by name."""
-    differing = dict[str, Value]()
+    differing: dict[str, Value] = {}
     for name, start in starts.items():
         if name in scene and start is not None and not _is_equal(start, scene[name]):
             differing[name] = scene[name]
@@ -105,7 +105,7 @@ def _differing(starts: Mapping[str, Value | None], scene: Mapping[str, Value]) -
 
 def _is_equal(one: Value, other: Value) -> bool:
     if isinstance(one, float) and isinstance(other, int | float):
-        return math.isclose(one, other, rel_tol=ROUNDING)
+        return math.isclose(one, other, rel_tol=TEXT_ROUNDING)
     return one == other
 
 

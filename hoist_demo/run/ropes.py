@@ -16,7 +16,7 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.participants.rope_group import (
     CONTACT_ENERGIES,
     SUMS,
-    Member,
+    GroupedRope,
     RopeGroup,
     WholeRope,
 )
@@ -61,7 +61,7 @@ class OneRope:
 
     @cached_property
     def plant(self) -> WholeRope | FmuRope:
-        """Rope to be wound, with its break."""
+        """Rope to be wound, with its break; the first request loads its FMU or makes it in C."""
         if self.fmu is not None:
             return self.fmu()
         rope = InProcessRope(self.scene, self.outputs, self.name)
@@ -90,10 +90,10 @@ class Ropes:
 
     @cached_property
     def plant(self) -> RopePlant:
-        """Plant that stands for all ropes."""
+        """Plant that stands for all ropes; the first request loads the FMU or makes the ropes."""
         if not self.case.distinct_ropes:
             return self.ropes[0].plant
-        group = [Member(rope.name, rope.plant, rope.suspension) for rope in self.ropes]
+        group = [GroupedRope(rope.name, rope.plant, rope.suspension) for rope in self.ropes]
         if not self.touching:
             return RopeGroup(group)
         neighbours = Neighbours(

@@ -117,7 +117,7 @@ def run_samples(
         return keys
     client.register_plugin(FmuOnWorkers(study.fmu_hash, study.fmu.read_bytes()))
     submitted = as_completed()
-    batches = dict[Future, list[str]]()
+    batches: dict[Future, list[str]] = {}
     remaining = [*waiting]
     pace = BATCH  # time that a run takes [s]
 

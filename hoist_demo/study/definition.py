@@ -41,9 +41,9 @@ from hoist_demo.files.reading import (
 from hoist_demo.files.registry import parameters, run_fields
 from hoist_demo.files.values import VARIED, ParameterValue, Text, statuses, values_of
 from hoist_demo.parameters.problems import Problems
-from hoist_demo.parameters.quantity import Parameter, Value
+from hoist_demo.parameters.quantity import FileParameter, Value
 from hoist_demo.recording.time_series import match_signals
-from hoist_demo.run.data import RunData, build
+from hoist_demo.run.data import RunData, build_single_trip
 from hoist_demo.run.metrics import ARRIVALS, UNITS
 from hoist_demo.run.probe import Probe
 from hoist_demo.study.objective import Constraint, Judge, Objective, constraints_on, read_weights
@@ -110,14 +110,14 @@ class Tune(Table):
 
 _METRICS = table_of(
     "subject_to",
-    [Parameter(f"subject_to.{metric}", unit, "Real") for metric, unit in UNITS.items()],
+    [FileParameter(f"subject_to.{metric}", unit, "Real") for metric, unit in UNITS.items()],
     constraints_on,
 )
 
 
 def _constraints(table: Table) -> tuple[Constraint, ...]:
     """Return the bounds of [study.subject_to]; a metric may have two."""
-    bounds = list[Constraint]()
+    bounds: list[Constraint] = []
     for _, of_metric in contents(table):
         bounds += of_metric
     return tuple(bounds)
@@ -319,7 +319,7 @@ class Study:
     @property
     def status_by_name(self) -> dict[str, str]:
         """Status of each value that is set; varied if it differs between runs."""
-        status_by_key = dict[str, str]()
+        status_by_key: dict[str, str] = {}
         for values in self.variants.values():
             status_by_key |= statuses(values)
         for key in status_by_key:
@@ -337,8 +337,7 @@ class Study:
         fixed = self.variants[variant]
         chosen = {key: value for key, value in values.items() if key in self.design_keys}
         disturbances = {key: value for key, value in values.items() if key not in chosen}
-        run = build(self.hoist, {**fixed, **chosen}, self.signals, varied=disturbances)
-        run = run.as_single_trip()
+        run = build_single_trip(self.hoist, {**fixed, **chosen}, self.signals, varied=disturbances)
         metrics = self.objective.metrics if self.objective else {}
         of_arrival = [name for name in ARRIVALS if name in metrics]
         stopped_at = run.winding.emergency_at
@@ -419,7 +418,7 @@ def _samples(
 ) -> list[StudyRun]:
     """Return the runs of all points, those of a variant one after the other; check all of them."""
     probe = Probe(study.fmu)
-    samples = list[StudyRun]()
+    samples: list[StudyRun] = []
     every = math.ceil(len(points) * len(study.variants) / MAX_CHECKED)
     with Problems() as problems:
         for values in progress(points):

@@ -17,7 +17,7 @@ from pydantic import PlainValidator, WithJsonSchema
 
 from hoist_demo.design.tuning import Score
 from hoist_demo.files.values import read_value
-from hoist_demo.parameters.quantity import Parameter
+from hoist_demo.parameters.quantity import FileParameter
 from hoist_demo.run.metrics import SIGNED, STOPS, UNITS
 from hoist_demo.study.outcome import CUT_SHORT
 from rope_model.physics.elementary import sum_of
@@ -51,7 +51,7 @@ def size_of(metric: str, metrics: Mapping[str, float]) -> float:
     return value
 
 
-def constraints_on(parameter: Parameter) -> Any:
+def constraints_on(parameter: FileParameter) -> Any:
     """Return the type of a metric in subject_to for pydantic: a tuple of Constraints."""
     return Annotated[
         Any,
@@ -60,7 +60,7 @@ def constraints_on(parameter: Parameter) -> Any:
     ]
 
 
-def _read_constraints(parameter: Parameter, content: Any) -> tuple[Constraint, ...]:
+def _read_constraints(parameter: FileParameter, content: Any) -> tuple[Constraint, ...]:
     name = parameter.name
     words = {*content} if isinstance(content, Mapping) else set()
     if not words & {*_SENSES} or not words <= {*_SENSES, "unit"}:

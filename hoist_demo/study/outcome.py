@@ -66,7 +66,7 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
         )
         return Outcome(ERROR, cause, dict.fromkeys(UNITS, float("nan")), {})
     # a series means nothing without its instants
-    series = dict[str, list[float]]()
+    series: dict[str, list[float]] = {}
     if run.signals:
         for name in (TIME, *run.signals):
             if name in result.recording:

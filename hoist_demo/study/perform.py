@@ -86,8 +86,8 @@ def write_partial_results(study: Study, store: Store) -> Path | None:
         if any((store.directory / "runs").glob("*.json")):
             return store.directory
         return None
-    finished = list[StudyRun]()
-    keys = list[str]()
+    finished: list[StudyRun] = []
+    keys: list[str] = []
     for sample in study.samples:
         key = sample.data.key(study.fmu_hash)
         if store.read(key):
@@ -107,7 +107,7 @@ def _search(
     objective = study.objective
 
     def samples_at(point: Array) -> list[StudyRun]:
-        values = dict[str, Value]()
+        values: dict[str, Value] = {}
         for (key, interval), share in zip(ranges.items(), point, strict=True):
             values[key] = interval.at(float(share))
         return study.samples_at(values)
@@ -121,7 +121,7 @@ def _search(
             scores.append(objective.assess(outcomes).score)
         return scores
 
-    samples = list[StudyRun]()
+    samples: list[StudyRun] = []
     for point in search(scores, len(ranges), plan).points:
         samples += samples_at(point)
     return samples, [sample.data.key(study.fmu_hash) for sample in samples]
@@ -145,10 +145,10 @@ def _write(
     numbers: dict[tuple[Value, ...], int] = {}
     choices = [numbers.setdefault(study.choice(sample), len(numbers)) for sample in samples]
     scores = _choice_scores(study.objective, choices, outcomes)
-    rows = list[dict[str, object]]()
-    causes = dict[str, str]()
-    passages = dict[str, str]()
-    warnings = dict[str, list[str]]()
+    rows: list[dict[str, object]] = []
+    causes: dict[str, str] = {}
+    passages: dict[str, str] = {}
+    warnings: dict[str, list[str]] = {}
     runs = zip(samples, keys, outcomes, choices, strict=True)
     for number, (sample, key, outcome, choice) in enumerate(runs, 1):
         head: dict[str, object] = {"run": number, "key": key}
@@ -288,7 +288,7 @@ def _warnings_of_choice(
     of_choice: Sequence[Mapping[str, Any]], outcomes: Sequence[Mapping[str, Any]]
 ) -> str:
     """Return the first warnings of a choice's runs as sentences, the rarest first."""
-    texts = dict[str, None]()
+    texts: dict[str, None] = {}
     for outcome in of_choice:
         texts |= dict.fromkeys(filter(None, (outcome["passed"], *outcome["warnings"])))
     # a warning of all runs says least about this choice

@@ -23,7 +23,7 @@ from pydantic import (
 )
 
 from hoist_demo.files.values import read_value
-from hoist_demo.parameters.quantity import Parameter, Value
+from hoist_demo.parameters.quantity import FileParameter, Value
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def latin_hypercube(ranges: Mapping[str, Range], runs: int, seed: int) -> list[d
     shares = qmc.LatinHypercube(d=len(ranges), rng=np.random.default_rng(seed)).random(runs)
     points = []
     for row in shares:
-        point = dict[str, Value]()
+        point: dict[str, Value] = {}
         for (key, interval), share in zip(ranges.items(), row, strict=True):
             point[key] = interval.at(float(share))
         points.append(point)
@@ -78,7 +78,7 @@ class _List(BaseModel, extra="forbid"):
     unit: str = ""
 
 
-def varied(parameter: Parameter) -> Any:
+def varied(parameter: FileParameter) -> Any:
     """Return the type of a key of [vary] for pydantic: a tuple of values, or a Range."""
     return Annotated[
         Annotated[_List, Tag("list")] | Annotated[_Interval, Tag("range")],
@@ -107,7 +107,7 @@ def _table(name: str, content: object) -> object:
     return content
 
 
-def _read(parameter: Parameter, table: _List | _Interval) -> tuple[Value, ...] | Range:
+def _read(parameter: FileParameter, table: _List | _Interval) -> tuple[Value, ...] | Range:
     name = parameter.name
     unit = table.unit
     if isinstance(table, _List):

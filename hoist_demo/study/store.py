@@ -57,7 +57,7 @@ class Store:
 
     def __init__(self, directory: Path) -> None:
         self.directory = directory
-        self._broken = set[Path]()  # records of which was warned
+        self._broken: set[Path] = set()  # records of which was warned
         for name in ("runs", "signals"):
             (directory / name).mkdir(parents=True, exist_ok=True)
 
@@ -147,7 +147,7 @@ def read_results(path: Path) -> Results:
     import pyarrow.parquet as pq
 
     table = pq.read_table(path)
-    units = dict[str, str]()
+    units: dict[str, str] = {}
     for field in table.schema:
         metadata = field.metadata or {}
         units[field.name] = metadata.get(b"unit", b"").decode()

@@ -29,7 +29,7 @@ def not_monotonic(
     study: Study, samples: Sequence[StudyRun], outcomes: Sequence[OutcomeRecord]
 ) -> list[str]:
     """Return a sentence, with the first place, for each result that is not monotonic."""
-    sentences = dict[tuple[str, str], list[str]]()
+    sentences: dict[tuple[str, str], list[str]] = {}
     lists = {key: v for key, v in study.varied.items() if isinstance(v, tuple)}
     if study.plan is None and len(lists) == len(study.varied):
         for key in (key for key in lists if not parameters()[key].choices):
@@ -92,7 +92,7 @@ def _along(objective: Objective | None, key: str, runs: RunLine) -> Iterator[tup
                 f"{_values(runs, happens, False)}",
             )
     for metric in metrics:
-        pairs = list[tuple[float, float]]()
+        pairs: list[tuple[float, float]] = []
         for x, outcome in runs:
             value = _metric(outcome, metric)
             if outcome["status"] in counted and math.isfinite(value):

@@ -19,7 +19,7 @@ from hoist_demo.files.values import DERIVED, GIVEN, VARIED, ParameterValue, stat
 from hoist_demo.parameters import SIDES, start_heights
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
-from hoist_demo.run.data import RunData, build
+from hoist_demo.run.data import RunData, build_single_trip
 from hoist_demo.run.metrics import ROPE_SIGNALS, UNITS, names_of
 from hoist_demo.run.provenance import SourcedValue, host_provenance, rope_provenance
 from hoist_demo.run.ropes import Ropes, require_unbroken, ropes_of
@@ -134,7 +134,7 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
     def measured(self) -> tuple[str, ...]:
         """Names of the results, of several ropes those of each with its name."""
         ropes = [rope.name for rope in self._case.distinct_ropes] or [""]
-        names = list[str]()
+        names: list[str] = []
         for metric in self.header.measures:
             names += names_of(metric, ropes)
         return tuple(names)
@@ -156,7 +156,7 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
         """Return the provenance of the data; a property that varies has the status of its range."""
         data = self.data
         ropes = self.middle_ropes()
-        of_properties = dict[str, str]()
+        of_properties: dict[str, str] = {}
         for name, datum in self.known_rope.data.items():
             of_properties[name] = VARIED if name in data else datum.status
         status = {"rope.diameter": GIVEN, **statuses(self.fixed)}
@@ -233,7 +233,7 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
     ) -> dict[str, ParameterValue]:
         """Return the drawn values of one of several ropes."""
         keeps_length = "length" not in self.catalogue_arguments
-        values = dict[str, ParameterValue]()
+        values: dict[str, ParameterValue] = {}
         for name, value in drawn.items():
             if name.startswith("hoist.") or (keeps_length and name == "rope.length"):
                 continue
@@ -254,12 +254,12 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
         """
         middle = self._drawn(self._middles)
         nominal = {name: middle[name] for name in drawn}
-        run = build(self.header.hoist, self._fixed, varied=drawn, nominal=nominal)
-        return run.as_single_trip()
+        hoist = self.header.hoist
+        return build_single_trip(hoist, self._fixed, varied=drawn, nominal=nominal)
 
     def _drawn(self, values: Mapping[str, float]) -> dict[str, Drawn]:
         """Return the values of rope and drive that follow from these of the varied data."""
-        properties = dict[str, float]()
+        properties: dict[str, float] = {}
         for name, datum in self.known_rope.data.items():
             if name in values:
                 properties[name] = values[name]

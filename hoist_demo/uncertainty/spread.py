@@ -126,7 +126,7 @@ def run_windings(
     else:
         with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
             results = list(progress(pool.map(wind_once, [file] * len(samples), samples)))
-    columns = dict[str, Array]()
+    columns: dict[str, Array] = {}
     for name in file.data:
         columns[name] = np.array([values[name] for values in samples])
     for name in file.measured:
@@ -140,7 +140,7 @@ def draw(file: UncertaintyFile) -> list[dict[str, float]]:
     shares = sequence.random_base2(round(math.log2(file.header.samples)))
     samples = []
     for row in shares:
-        values = dict[str, float]()
+        values: dict[str, float] = {}
         for (key, datum), share in zip(file.data.items(), row, strict=True):
             values[key] = datum.at(float(share))
         samples.append(values)
@@ -159,7 +159,7 @@ def wind_once(file: UncertaintyFile, values: Mapping[str, float]) -> WindingResu
     identities = ropes.data()
     torque_free = {rope.name: rope.torque_free for rope in identities}
     result = replace(result, recording=computed(result.recording, torque_free))
-    sentences = list[str]()
+    sentences: list[str] = []
     for rope in identities:
         text = passages(rope_signals(result.recording, rope.name))
         if text:
@@ -181,14 +181,14 @@ def remarks_of(remarks: Sequence[Iterable[str]]) -> dict[str, int]:
     Numbers that differ between windings become ranges.
     """
     Words = tuple[str, ...]
-    numbers_by_words = dict[Words, set[tuple[str, ...]]]()
-    windings_by_words = dict[Words, set[int]]()
+    numbers_by_words: dict[Words, set[tuple[str, ...]]] = {}
+    windings_by_words: dict[Words, set[int]] = {}
     for k, texts in enumerate(remarks):
         for text in texts:
             words = tuple(_NUMBER.split(text))
             numbers_by_words.setdefault(words, set()).add(tuple(_NUMBER.findall(text)))
             windings_by_words.setdefault(words, set()).add(k)
-    counts = dict[str, int]()
+    counts: dict[str, int] = {}
     for words, numbers in numbers_by_words.items():
         counts[_with_numbers(words, numbers)] = len(windings_by_words[words])
     return counts

@@ -34,14 +34,18 @@ class Modes:
     out_of_plane: Array
 
 
+class NoModesError(ValueError):
+    """The rope has no modes: it is rigid, or its equilibrium is unstable."""
+
+
 def natural_modes(rope: NativeRope, count: int = 8) -> Modes:
     """Return the ``count`` lowest modes, without damping, of a rope at rest.
 
-    Raises ValueError if the equilibrium is unstable and has no such frequency, or if the rope is a
-    rigid model's, which is no equilibrium of the complete one.
+    Raises NoModesError if the equilibrium is unstable and has no such frequency, or if the rope is
+    a rigid model's, which is no equilibrium of the complete one.
     """
     if rope.fidelity == "rigid":
-        raise ValueError("a rigid rope has no modes: set model.fidelity = 'torsional'")
+        raise NoModesError("a rigid rope has no modes: set model.fidelity = 'torsional'")
     free = rope.linear_facts().free
     return modes_of(of_blocks(*rope.tangent(q=1.0)), of_blocks(*rope.tangent(a=1.0)), free, count)
 
@@ -51,11 +55,11 @@ def modes_of(
 ) -> Modes:
     """Return the ``count`` lowest modes of a chain with these matrices, whose coordinates are ``free`` (nodes, 7).
 
-    Raises ValueError if the equilibrium is unstable and has no such frequency.
+    Raises NoModesError if the equilibrium is unstable and has no such frequency.
     """
     lowest = softest(stiffness, free)
     if lowest < -ZERO_STIFFNESS:
-        raise ValueError(
+        raise NoModesError(
             f"the equilibrium is unstable: its softest stiffness, {lowest:.3g} N/m, is negative; use less twist"
         )
     moving = np.flatnonzero(free.ravel())

@@ -10,18 +10,12 @@ in speed only in between.
 
 import math
 from functools import reduce
-from typing import Any
+from typing import Any, NamedTuple
 
 from rope_model.boundary import quintic
 from rope_model.boundary.end_paths import EndPath
-from rope_model.boundary.input_filter import (
-    JERKS,
-    FilterSettings,
-    InputFilter,
-    Misfits,
-    end_misfits,
-    sample_misfit,
-)
+from rope_model.boundary.input_filter import FilterSettings, InputFilter, Misfits
+from rope_model.boundary.input_path import JERKS, end_misfits, sample_misfit
 from rope_model.method.step_errors import ErrorSums, wave_duration
 from rope_model.parameters import Rope
 from rope_model.physics.elementary import (
@@ -50,6 +44,8 @@ ONE_CHANGE = 1.0 / 6.0
 #: the quintic, and more because its waves last longer (seed 60 of evidence.promise)
 WITHIN = 0.055
 
+_Y = 1  #: place of the vertical coordinate in a motion and in a path
+
 #: m/s^2, slowest axial wave of a leg, now and a quarter of a period later
 Wave = tuple[float, float]
 
@@ -59,74 +55,33 @@ def add_misfit(
 ) -> InputFilter:
     """Return ``state`` at the end of the ``path``; ``leg`` is the length (m) of the rope from this end to the loop."""
     h = path.stop - path.start
-    (_, position, _, _), (_, speed, _, _), (_, acceleration, _, _) = path.motion(path.stop)
-    misfit = end_misfits(path, state)
-    misfits = [reduce(maximum, map(abs, sizes)) for sizes in zip(*misfit[:3], strict=True)]
-    c0, c1, c2, c3, c4, c5 = path.coefficients[1]
-    # growth and lag of the acceleration, which is linear through the latest two samples
-    grows = (state.motion[1][2] - state.end_accelerations[1]) / h
-    order = where(settings.acceleration_trust > 0, 0.0, where(settings.speed_trust > 0, 2.0, 3.0))
     sums = state.misfits
-    lag = sums.lag + (1.0 - exp(-settings.estimate * h)) * (
-        order * grows / settings.estimate - sums.lag
+    misfit = end_misfits(path, state)
+    position, speed, acceleration = (
+        reduce(maximum, map(abs, sizes)) for sizes in zip(*misfit[:3], strict=True)
     )
-    # part of the sample's misfit that one change of the acceleration's rate within the step
-    # explains
-    axes = zip(
-        path.coefficients,
-        state.end_accelerations,
-        state.motion,
-        state.recent_changes,
-        JERKS,
-        strict=True,
-    )
-    samples = [
-        sample_misfit(
-            h,
-            c[:2],
-            (before, a),
-            quintic.extrapolate(x, v, a, path.stop - state.given_at),
-            change,
-            jerk,
-        )
-        for c, before, (x, v, a), change, jerk in axes
-    ]
-    sample = samples[1]
-    fits = (
-        maximum(1.0 - (path.stop - state.given_at) / h, 0.0)
-        * sample.position_fits
-        * sample.speed_fits
-    )
-    speed_misfit = sample.speed_misfit * fits
-    bound = ONE_CHANGE * h * abs(sample.speed_misfit * fits)
-    aside = minimum(maximum(sample.position_misfit * fits - 0.5 * h * speed_misfit, -bound), bound)
-    *_, b3, b4, b5 = quintic.coefficients(
-        h, (0.0, 0.0, 0.0), (0.5 * h * speed_misfit + aside, speed_misfit, 0.0)
-    )
-    # additional acceleration and its rates at the step's start
-    begin = state.motion[1][2] + grows * (path.start - state.given_at) + lag
-    added = 2.0 * c2 - begin, 6.0 * (c3 - b3) - grows, 24.0 * (c4 - b4), 120.0 * (c5 - b5)
-    bent = speed - c1 - 0.5 * h * (2.0 * c2 + acceleration)
-    shifted = (
-        position - c0 - h * c1 - h * h / 6.0 * (4.0 * c2 + acceleration) - 0.5 * h * bent - aside
-    )
+    grows = (state.motion[_Y][2] - state.end_accelerations[_Y]) / h
+    lag = _lag_after(sums.lag, settings, grows, h)
+    explained = _explained_in_step(path, state)
+    added = _added_acceleration(path, state, grows, lag, explained)
     wave, leg_force = _leg_response(sums.wave, added, rope, leg, h)
     impedance = sqrt(rope.Qa * rope.mass_per_length)
-    wave_force = STEP_SPEED * impedance * shifted / h
-    within_force = WITHIN * impedance * speed_misfit
-    drift = sums.drift + (1.0 - exp(-settings.observer * h)) * (misfit[1][0] - sums.drift)
+    shift = _unexplained_shift(path, explained)
+    wave_force = STEP_SPEED * impedance * shift / h
+    within_force = WITHIN * impedance * explained.speed
+    drift = sums.drift + (1.0 - exp(-settings.observer * h)) * (misfit[_Y][0] - sums.drift)
     x, y, z, yaw = state.motion
     result: InputFilter = state._replace(
         end_accelerations=(x[2], y[2], z[2], yaw[2]),
         misfits=Misfits(
             time=sums.time + h,
-            position=maximum(sums.position, misfits[0]),
-            speed=maximum(sums.speed, misfits[1]),
-            acceleration=maximum(sums.acceleration, misfits[2]),
+            position=maximum(sums.position, position),
+            speed=maximum(sums.speed, speed),
+            acceleration=maximum(sums.acceleration, acceleration),
             squares=(
-                sums.squares[0] + h * (misfits[0] * misfits[0]),
-                sums.squares[1] + h * (misfits[1] * misfits[1]),
-                sums.squares[2] + h * (misfits[2] * misfits[2]),
+                sums.squares[0] + h * (position * position),
+                sums.squares[1] + h * (speed * speed),
+                sums.squares[2] + h * (acceleration * acceleration),
             ),
             wave=wave,
             lag=lag,
@@ -137,6 +92,67 @@ def add_misfit(
         ),
     )
     return result
+
+
+def _lag_after(lag: Scalar, settings: FilterSettings, grows: Scalar, h: Scalar) -> Scalar:
+    """Return the lag (m/s^2) of the estimated acceleration of y after a step in which it ``grows`` (m/s^3)."""
+    order = where(settings.acceleration_trust > 0, 0.0, where(settings.speed_trust > 0, 2.0, 3.0))
+    steady = order * grows / settings.estimate
+    return lag + (1.0 - exp(-settings.estimate * h)) * (steady - lag)
+
+
+class _Explained(NamedTuple):
+    """Part of a sample's misfit of y that one change of the acceleration's rate in the step explains."""
+
+    speed: Scalar  # m/s, gained in the step
+    aside: Scalar  # m, gained beside that of a constant acceleration
+
+
+def _explained_in_step(path: EndPath, state: InputFilter) -> _Explained:
+    """Return the part of the latest sample's misfit that the path meets within its step."""
+    h = path.stop - path.start
+    since = path.stop - state.given_at
+    sample = sample_misfit(
+        h,
+        path.coefficients[_Y][:2],
+        (state.end_accelerations[_Y], state.motion[_Y][2]),
+        quintic.extrapolate(*state.motion[_Y], since),
+        state.recent_changes[_Y],
+        JERKS[_Y],
+    )
+    fits = maximum(1.0 - since / h, 0.0) * sample.position_fits * sample.speed_fits
+    speed = sample.speed_misfit * fits
+    bound = ONE_CHANGE * h * abs(speed)
+    beside = sample.position_misfit * fits - 0.5 * h * speed
+    return _Explained(speed, minimum(maximum(beside, -bound), bound))
+
+
+def _added_acceleration(
+    path: EndPath, state: InputFilter, grows: Scalar, lag: Scalar, explained: _Explained
+) -> Vector:
+    """Return the acceleration of y beyond the given one (m/s^2), and its three rates, at the step's start."""
+    h = path.stop - path.start
+    gained = 0.5 * h * explained.speed + explained.aside
+    *_, b3, b4, b5 = quintic.coefficients(h, (0.0, 0.0, 0.0), (gained, explained.speed, 0.0))
+    _, _, c2, c3, c4, c5 = path.coefficients[_Y]
+    given = state.motion[_Y][2] + grows * (path.start - state.given_at) + lag
+    return (
+        2.0 * c2 - given,
+        6.0 * (c3 - b3) - grows,
+        24.0 * (c4 - b4),
+        120.0 * (c5 - b5),
+    )
+
+
+def _unexplained_shift(path: EndPath, explained: _Explained) -> Scalar:
+    """Return the shift of y (m) within the step that neither its accelerations nor the sample explain."""
+    h = path.stop - path.start
+    c0, c1, c2, *_ = path.coefficients[_Y]
+    positions, speeds, accelerations = path.motion(path.stop)
+    acceleration = accelerations[_Y]
+    bent = speeds[_Y] - c1 - 0.5 * h * (2.0 * c2 + acceleration)
+    steady = h * h / 6.0 * (4.0 * c2 + acceleration)
+    return positions[_Y] - c0 - h * c1 - steady - 0.5 * h * bent - explained.aside
 
 
 def _leg_response(

@@ -5,12 +5,9 @@ from typing import Annotated, Any
 import casadi as ca
 
 from rope_model.boundary.end_paths import MOTION_BOUNDS, EndMotion, EndPath
-from rope_model.boundary.input_filter import (
-    FilterSettings,
-    InputFilter,
-    filter_path,
-    filter_sample,
-)
+from rope_model.boundary.input_filter import FilterSettings, InputFilter
+from rope_model.boundary.input_path import filter_path
+from rope_model.boundary.input_sample import filter_sample
 from rope_model.physics.elementary import Scalar, Vector
 
 

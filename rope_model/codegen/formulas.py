@@ -5,7 +5,15 @@ from itertools import accumulate
 from types import ModuleType
 from typing import Any
 
-from rope_model.boundary import bodies, end_conditions, end_paths, input_filter, input_misfit
+from rope_model.boundary import (
+    bodies,
+    end_conditions,
+    end_paths,
+    input_filter,
+    input_misfit,
+    input_path,
+    input_sample,
+)
 from rope_model.boundary.end_paths import EndPath
 from rope_model.boundary.input_filter import InputFilter
 from rope_model.codegen import derivatives
@@ -89,9 +97,9 @@ FORMULAS: tuple[Callable[..., Any], ...] = (
     EndPath.lean_motion,
     InputFilter.at_rest,
     input_filter.filter_settings,
-    input_filter.filter_sample,
-    input_filter.filter_path,
-    input_filter.path_measures,
+    input_sample.filter_sample,
+    input_path.filter_path,
+    input_path.path_measures,
     input_misfit.add_misfit,
     input_misfit.add_misfit_error,
     input_misfit.add_drift_error,

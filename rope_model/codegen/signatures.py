@@ -10,7 +10,7 @@ from types import ModuleType
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 from rope_model.boundary.end_paths import EndMotion
-from rope_model.boundary.input_filter import PathMeasures
+from rope_model.boundary.input_path import PathMeasures
 from rope_model.method.mesh_pattern import Pattern
 from rope_model.parameters import GROUPS
 from rope_model.physics.air import AirCoefficients

@@ -38,6 +38,8 @@ from rope_model.physics.node import NODE_DOF
 #: number of entries of an element: k0 at its points, angles, and EI
 CURVED_SIZE = 3 * len(element.POINTS) + 3
 
+_ANGLE = 6  #: place of theta in z = (r', r'', theta)
+
 
 class CurvedFunctions(NamedTuple):
     """CasADi functions of permanent curvature in an element; ``C`` contains its CURVED_SIZE numbers.
@@ -52,6 +54,18 @@ class CurvedFunctions(NamedTuple):
     energy: ca.Function
 
 
+class _PointTerms(NamedTuple):
+    """Terms of an element at its points, each a list over the points."""
+
+    B: list[Any]  # interpolation to z = (r', r'', theta) from the relative coordinates
+    parts: list[list[Any]]  # weights of all points' turning in the angle of each
+    f_z: Any  # derivatives of the frame's turning
+    f_zz: Any
+    W: Any  # k . k0, and its derivatives by z
+    W_z: Any
+    W_zz: Any
+
+
 @cache
 def curved_functions() -> CurvedFunctions:
     """Build the functions."""
@@ -61,10 +75,27 @@ def curved_functions() -> CurvedFunctions:
     F = ca.SX.sym("F", element.FRAME_SIZE)
     C = ca.SX.sym("C", CURVED_SIZE)
     c_q = ca.SX.sym("c_q")
+    terms = _point_terms(q, l, F, C)
+    EI = C[-1]
+    factor = -l * EI
+    R = relative.T @ _residual(terms)
+    J = relative.T @ element.symmetric(_tangent(terms)) @ relative
+    J = element.symmetric(c_q * factor * J)
+    U = l * EI * _energy(terms, C)
+    inputs = [q, l, F, C]
+    return CurvedFunctions(
+        ca.Function("curved_residual", inputs, [ca.cse(factor * R)]),
+        ca.Function("curved_tangent", [*inputs, c_q], [ca.cse(J)]),
+        ca.Function("curved_energy", inputs, [ca.cse(U)]),
+    )
+
+
+def _point_terms(q: ca.SX, l: ca.SX, F: ca.SX, C: ca.SX) -> _PointTerms:
+    """Return the terms at the points of an element."""
+    relative = element.relative_coordinates()
     numbers = ca.vertsplit(C)
     frames = ca.vertsplit(F[:-3], 6)
     before = numbers[-3:-1]
-    EI = numbers[-1]
     B = [element.interpolation(xi, l) for xi in element.POINTS]
     z = [B_p @ relative @ q for B_p in B]
     turn = _turn_function()
@@ -81,37 +112,57 @@ def curved_functions() -> CurvedFunctions:
         for row, xi in zip(parts, element.POINTS, strict=True)
     ]
     W, W_z, W_zz = zip(
-        *(bend(z[i], frames[i][:3], C[3 * i : 3 * i + 3], angles[i]) for i in range(len(B))),
+        *(bend(z[i], frames[i][:3], _curvature(C, i), angles[i]) for i in range(len(B))),
         strict=True,
     )
-    R = ca.SX.zeros(relative.shape[0])
-    J = ca.SX.zeros(relative.shape[0], relative.shape[0])
-    U = ca.SX(0)
-    for i, (w, B_p) in enumerate(zip(element.WEIGHTS, B, strict=True)):
-        # derivative of the angle at this point, and the effect of this point's turning on all
-        # angles
-        angle_x: Any = sum(
-            (parts[i][k] * B[k].T @ f_z[k] for k in range(len(B))),
-            start=ca.SX.zeros(relative.shape[0]),
-        )
-        coupled_weight: Any = sum(
-            element.WEIGHTS[k] * W_z[k][6] * parts[k][i] for k in range(len(B))
-        )
-        R += B_p.T @ (w * W_z[i] - coupled_weight * f_z[i])
-        J += B_p.T @ element.symmetric(w * W_zz[i] - coupled_weight * f_zz[i]) @ B_p
-        coupled = w * (B_p.T @ W_zz[i][:, 6] - 0.5 * W_zz[i][6, 6] * angle_x)
-        J -= coupled @ angle_x.T + angle_x @ coupled.T
-        U += w * (0.5 * ca.sumsqr(C[3 * i : 3 * i + 3]) - W[i])
-    R = relative.T @ R
-    U = l * EI * U
-    factor = -l * EI
-    J = element.symmetric(c_q * factor * (relative.T @ element.symmetric(J) @ relative))
-    inputs = [q, l, F, C]
-    return CurvedFunctions(
-        ca.Function("curved_residual", inputs, [ca.cse(factor * R)]),
-        ca.Function("curved_tangent", [*inputs, c_q], [ca.cse(J)]),
-        ca.Function("curved_energy", inputs, [ca.cse(U)]),
+    return _PointTerms(B, parts, f_z, f_zz, W, W_z, W_zz)
+
+
+def _curvature(C: ca.SX, point: int) -> ca.SX:
+    """Return the permanent curvature k0 at a point of the element."""
+    return C[3 * point : 3 * point + 3]
+
+
+def _coupled_weight(terms: _PointTerms, point: int) -> Any:
+    """Return the effect of a point's turning on the angles of all points."""
+    return sum(
+        element.WEIGHTS[k] * terms.W_z[k][_ANGLE] * terms.parts[k][point]
+        for k in range(len(terms.B))
     )
+
+
+def _residual(terms: _PointTerms) -> Any:
+    """Return the derivative of the coupling by the relative coordinates."""
+    R = ca.SX.zeros(terms.B[0].shape[1])
+    for i, (w, B_p) in enumerate(zip(element.WEIGHTS, terms.B, strict=True)):
+        R += B_p.T @ (w * terms.W_z[i] - _coupled_weight(terms, i) * terms.f_z[i])
+    return R
+
+
+def _tangent(terms: _PointTerms) -> Any:
+    """Return the second derivative of the coupling by the relative coordinates."""
+    size = terms.B[0].shape[1]
+    J = ca.SX.zeros(size, size)
+    for i, (w, B_p) in enumerate(zip(element.WEIGHTS, terms.B, strict=True)):
+        # derivative of the angle at this point
+        angle_x: Any = sum(
+            (terms.parts[i][k] * terms.B[k].T @ terms.f_z[k] for k in range(len(terms.B))),
+            start=ca.SX.zeros(size),
+        )
+        W_zz = terms.W_zz[i]
+        curvature = element.symmetric(w * W_zz - _coupled_weight(terms, i) * terms.f_zz[i])
+        J += B_p.T @ curvature @ B_p
+        coupled = w * (B_p.T @ W_zz[:, _ANGLE] - 0.5 * W_zz[_ANGLE, _ANGLE] * angle_x)
+        J -= coupled @ angle_x.T + angle_x @ coupled.T
+    return J
+
+
+def _energy(terms: _PointTerms, C: ca.SX) -> Any:
+    """Return the energy of the coupling over l EI."""
+    U = ca.SX(0)
+    for i, w in enumerate(element.WEIGHTS):
+        U += w * (0.5 * ca.sumsqr(_curvature(C, i)) - terms.W[i])
+    return U
 
 
 def _turn_function() -> ca.Function:

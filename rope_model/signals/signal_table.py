@@ -4,6 +4,7 @@ csrc/outputs/signals.c computes the values.
 """
 
 from collections.abc import Iterable, Iterator
+from itertools import chain
 from typing import NamedTuple
 
 from rope_model.boundary.bodies import BODIES
@@ -24,8 +25,12 @@ class Signal(NamedTuple):
     kind: str = "real"  #: real, integer or boolean
 
 
-def _table() -> Iterator[tuple[str, Signal]]:
-    """Yield names and facts of all outputs in the order of their value references."""
+#: Names and facts of some outputs.
+_Rows = Iterator[tuple[str, Signal]]
+
+
+def _end_signals() -> _Rows:
+    """Yield names and facts of the outputs on loads, swivel and added mass of both ends."""
     for side in SIDES:
         for k, axis in enumerate("xyz"):
             what = ("horizontal, in plane", "vertical", "horizontal, out of plane")[k]
@@ -51,6 +56,10 @@ def _table() -> Iterator[tuple[str, Signal]]:
         yield f"{side}.swivel.slipping", Signal("1", f"whether the {side} swivel turns", "boolean")
         text = f"fall of {side}.fy per acceleration of the end that grows from 0 over the last communication step"
         yield f"{side}.added_mass", Signal("kg", text)
+
+
+def _loop_signals() -> _Rows:
+    """Yield names and facts of the outputs on place and form of the loop, and passages of its legs."""
     for axis in "xyz":
         yield f"loop.{axis}", Signal("m", f"{axis.upper()} of the rope's lowest point")
     yield (
@@ -77,10 +86,18 @@ def _table() -> Iterator[tuple[str, Signal]]:
         "loop.sideways",
         Signal("m", "horizontal distance of the lowest point from midway between the ends"),
     )
+
+
+def _guard_signals() -> _Rows:
+    """Yield names and facts of the outputs on guards."""
     yield "guard.tripped", Signal("1", "whether a guard has tripped", "boolean")
     causes = ", ".join(f"{code} {cause}" for code, cause in enumerate(("none", *CAUSES)))
     yield "guard.cause", Signal("1", f"the first guard that has tripped: {causes}", "integer")
     yield "guard.time", Signal("s", "time of the first trip; 0 before")
+
+
+def _stress_signals() -> _Rows:
+    """Yield names and facts of the outputs on twist and stress."""
     for point in (*SIDES, "loop"):
         if point == "loop":
             where = "at the loop's lowest point"
@@ -92,6 +109,10 @@ def _table() -> Iterator[tuple[str, Signal]]:
         Signal("Pa", "largest nominal bending stress, 32 EI kappa / (pi d^3)"),
     )
     yield "stress.torsion_max", Signal("Pa", "largest nominal torsional stress, 16 M / (pi d^3)")
+
+
+def _energy_signals() -> _Rows:
+    """Yield names and facts of the outputs on energies and their balance."""
     for name, what in (
         ("kinetic", "kinetic energy"),
         ("strain", "strain energy"),
@@ -109,6 +130,10 @@ def _table() -> Iterator[tuple[str, Signal]]:
         ("residual", "residual of the energy balance: numerical dissipation is negative"),
     ):
         yield f"energy.{name}", Signal("J", what)
+
+
+def _contact_signals() -> _Rows:
+    """Yield names and facts of the outputs on contact with bodies, and of the rope with itself."""
     for kind in KINDS:
         words = "dividers" if kind == "divider" else kind.replace("_", " ")
         yield (
@@ -119,6 +144,10 @@ def _table() -> Iterator[tuple[str, Signal]]:
     for kind in (*KINDS, "rope"):
         text = f"impulse of contact.{kind} since the start; it hardly depends on contact.stiffness"
         yield f"contact.{kind}.impulse", Signal("N.s", text)
+
+
+def _count_signals() -> _Rows:
+    """Yield names and facts of the outputs on counts of work."""
     for name, what in (
         ("steps", "accepted time steps"),
         ("rejections", "rejected time steps and solutions of new meshes"),
@@ -127,17 +156,29 @@ def _table() -> Iterator[tuple[str, Signal]]:
         ("swivel_events", "changes between stick and slip"),
     ):
         yield f"count.{name}", Signal("1", f"{what} since the start", "integer")
+
+
+def _error_signals() -> _Rows:
+    """Yield names and facts of the outputs on estimated errors."""
     text = "estimated RMS error of the end forces so far, relative to the largest"
     yield "status.end_force_error", Signal("1", text)
     yield "status.loop_error", Signal("m", "estimated largest error of the loop's place so far")
     text = "estimated RMS error of the bodies' pressure by mesh and steps as they press, relative to the largest"
     yield "status.contact_error", Signal("1", text)
+
+
+def _input_signals() -> _Rows:
+    """Yield names and facts of the outputs on misfits of given motions."""
     for name, unit in (("position", "m"), ("speed", "m/s"), ("acceleration", "m/s2")):
         text = f"misfit of given and followed {name} at an end so far"
         yield f"inputs.misfit.{name}", Signal(unit, f"largest {text}")
         yield f"inputs.misfit.{name}_rms", Signal(unit, f"RMS {text}")
     text = "communication steps so far that repeat the sample of a moving end"
     yield "inputs.repeated", Signal("1", text, "integer")
+
+
+def _audit_signals() -> _Rows:
+    """Yield names and facts of the outputs on the audit of momentum and steps, and accuracy that was given up."""
     for name, unit, what in (
         ("momentum", "N", "largest force missing in the balance of momentum so far"),
         ("moment", "N.m", "largest moment missing in the balance of angular momentum so far"),
@@ -155,6 +196,10 @@ def _table() -> Iterator[tuple[str, Signal]]:
         "status.given_up_since",
         Signal("s", "time of the first step that gave up accuracy; 0 before"),
     )
+
+
+def _clearance_signals() -> _Rows:
+    """Yield names and facts of the outputs on distances from bodies."""
     for kind in KINDS:
         yield f"clearance.{kind}", Signal("m", f"least distance from {BODIES[kind]}; 1e6: none")
     for kind in KINDS:
@@ -167,6 +212,10 @@ def _table() -> Iterator[tuple[str, Signal]]:
         )
         yield f"{name}.y", Signal("m", f"height of {name}.clearance")
         yield f"{name}.touched_at", Signal("s", "time of the first contact; 0 before")
+
+
+def _shape_signals() -> _Rows:
+    """Yield names and facts of the outputs on the shape of the rope."""
     for name, unit, what in (
         *_COORDINATES,
         ("s", "m", "place along the rope, from its left end,"),
@@ -179,6 +228,10 @@ def _table() -> Iterator[tuple[str, Signal]]:
                 f"shape.{name}[{i}]",
                 Signal(unit, f"{what} at point {i} of {SHAPE_POINTS} along the rope"),
             )
+
+
+def _station_signals() -> _Rows:
+    """Yield names and facts of the outputs on the stations, fixed in the rope."""
     for name, unit, what in (
         ("tension", "N", "tension"),
         ("curvature", "1/m", "curvature"),
@@ -192,8 +245,24 @@ def _table() -> Iterator[tuple[str, Signal]]:
             )
 
 
+#: Groups of outputs, in the order of their value references.
+_GROUPS = (
+    _end_signals,
+    _loop_signals,
+    _guard_signals,
+    _stress_signals,
+    _energy_signals,
+    _contact_signals,
+    _count_signals,
+    _error_signals,
+    _input_signals,
+    _audit_signals,
+    _clearance_signals,
+    _shape_signals,
+    _station_signals,
+)
 #: Signal by name, in the order of the FMI interface
-SIGNALS: dict[str, Signal] = dict(_table())
+SIGNALS: dict[str, Signal] = dict(chain.from_iterable(group() for group in _GROUPS))
 
 
 #: signals that can be differentiated with respect to the motions of the ends

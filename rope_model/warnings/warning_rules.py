@@ -2,7 +2,8 @@
 
 import math
 
-from rope_model.boundary.input_filter import MIN_BREAKS, POSITION, InputFilter, filter_settings
+from rope_model.boundary.input_detectors import MIN_BREAKS
+from rope_model.boundary.input_filter import POSITION, InputFilter, filter_settings
 from rope_model.fidelity.fidelity_rules import carries_torque
 from rope_model.messages import warning_messages as texts
 from rope_model.messages.rules import Rules

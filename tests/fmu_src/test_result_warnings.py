@@ -20,13 +20,8 @@ from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.parameters import Winding
 from rope_model import Air, Layout, Mesh, Model, Rope, Shaft, balance_rope, rope_120
 from rope_model.boundary.end_paths import EndMotion
-from rope_model.boundary.input_filter import (
-    GridDetector,
-    InputFilter,
-    Misfits,
-    Repetitions,
-    TableDetector,
-)
+from rope_model.boundary.input_detectors import GridDetector, TableDetector
+from rope_model.boundary.input_filter import InputFilter, Misfits, Repetitions
 from rope_model.engine import NativeRope
 from rope_model.messages import warning_messages
 from rope_model.messages.rules import first_text

@@ -31,12 +31,8 @@ from scenes import Ends, Motion, ends_at
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
 from rope_model import EndMotion, Scene, rope_120
-from rope_model.boundary.input_filter import (
-    ALLOWED_JERK,
-    ALLOWED_YAW_JERK,
-    MIN_AIM_TIME,
-    MIN_MEAN_TIME,
-)
+from rope_model.boundary.input_filter import MIN_AIM_TIME, MIN_MEAN_TIME
+from rope_model.boundary.input_path import ALLOWED_JERK, ALLOWED_YAW_JERK
 from rope_model.engine import NativeRope
 from rope_model.shaft_parameters import Air, Divider, Shaft
 from rope_model.signals.signal_table import LOADS, SIGNALS

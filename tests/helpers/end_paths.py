@@ -4,10 +4,13 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from rope_model import Rope, Scene
-from rope_model.boundary import input_filter, quintic
+from rope_model.boundary import quintic
 from rope_model.boundary.end_paths import EndMotion, EndPath
-from rope_model.boundary.input_filter import FilterSettings, InputFilter, PathMeasures, settings_of
+from rope_model.boundary.input_filter import FilterSettings, InputFilter, filter_settings
 from rope_model.boundary.input_misfit import add_misfit
+from rope_model.boundary.input_path import PathMeasures, filter_path, path_measures
+from rope_model.boundary.input_sample import filter_sample
+from rope_model.parameters import CHOICES
 from rope_model.solver_parameters import Inputs, Trusted
 
 NO_MEASURES = PathMeasures((0.0,) * 6, (0.0,) * 4, (0.0,) * 4)
@@ -38,6 +41,11 @@ def led(path: EndPath, stop: float, target: EndMotion) -> EndPath:
     return EndPath(path.stop, stop, (x, y, z, yaw))
 
 
+def settings_of(scene: Scene) -> FilterSettings:
+    """Return the settings of the ends' filters in ``scene``."""
+    return filter_settings(scene, [*CHOICES["inputs.given"]].index(scene.inputs.given))
+
+
 def usual_manner(
     trusted: Trusted = "all", bandwidth: float = 1.0, estimate: float = 17.0
 ) -> FilterSettings:
@@ -59,10 +67,8 @@ class Follower:
     def step(self, stop: float, given: EndMotion, given_at: float | None = None) -> FilterStep:
         """On to ``stop`` by the motion ``given`` of the instant ``given_at``, or else of ``stop``."""
         at = stop if given_at is None else given_at
-        state = input_filter.filter_sample(
-            self.filter, self.settings, at, stop - self.path.stop, given
-        )
-        self.path = input_filter.filter_path(self.path, state, stop, self.settings.observer)
-        measures = input_filter.path_measures(self.path, state)
+        state = filter_sample(self.filter, self.settings, at, stop - self.path.stop, given)
+        self.path = filter_path(self.path, state, stop, self.settings.observer)
+        measures = path_measures(self.path, state)
         self.filter = add_misfit(state, self.path, self.settings, Rope(), LEG)
         return FilterStep(self.filter, self.path, measures)

@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 
 from rope_model import compiler as kernels
 from rope_model.boundary.end_paths import EndMotion
-from rope_model.boundary.input_filter import InputFilter, PathMeasures
+from rope_model.boundary.input_filter import InputFilter
+from rope_model.boundary.input_path import PathMeasures
 from rope_model.codegen.build import sources
 from rope_model.codegen.state_structures import MESSAGE, PARTS, PatternStructure
 from rope_model.codegen.structures import GROUPS, EndMotionStructure, scene_structure

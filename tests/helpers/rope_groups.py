@@ -12,7 +12,7 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.cosimulation.schemes.interface import Reader
 from hoist_demo.parameters.quantity import Value
-from hoist_demo.run.data import build
+from hoist_demo.run.data import build_single_trip
 from hoist_demo.run.ropes import Ropes, ropes_of
 from rope_model import EndMotion, Level, Status
 
@@ -37,7 +37,7 @@ def rope_in_process(
 def ropes_in(path: Path) -> Ropes:
     """Ropes of a hoist's file."""
     case = find_case(str(path))
-    return ropes_of(case, build(str(path), {}).as_single_trip(), {}, case.level)
+    return ropes_of(case, build_single_trip(str(path), {}), {}, case.level)
 
 
 @dataclass

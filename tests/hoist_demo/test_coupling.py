@@ -18,6 +18,7 @@ from scipy.linalg import expm
 from hoist_demo.cases.case import BUILTIN_HOISTS
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.checkpoint import Checkpoint
+from hoist_demo.cosimulation.compiled_trip import CompiledTrip
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.cosimulation.run_state import Result
@@ -454,7 +455,7 @@ def test_a_failure_saves_the_last_good_state_and_the_run_resumes_to_the_same_bit
         return faulty
 
     with monkeypatch.context() as patch:
-        patch.setattr(Host, "_compiled", lambda *_: None)
+        patch.setattr(CompiledTrip, "for_run", lambda *_: None)
         patch.setattr(InProcessRope, "step", faulty_step)
         patch.setattr(InProcessRope, "reader", faulty_reader)
         # the trial before the start takes 0.48 s of the rope's time

@@ -358,15 +358,25 @@ def test_a_level_that_is_not_wound_is_told(
     assert "--level standard changes nothing" in capsys.readouterr().err
 
 
-def test_a_state_is_not_taken_up_by_a_rope_of_other_parameters(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        # fixed: the state has it itself; tunable: the host keeps it beside the state
+        ("rope.EI", r"rope\.EI = 300\.0 must be 450\.0"),
+        ("left.swivel.mu_static", r"left\.swivel\.mu_static is 300\.0 there, 450\.0 here"),
+    ],
+)
+def test_a_state_is_not_taken_up_by_a_rope_of_other_parameters(
+    name: str, told: str, tmp_path: Path
+) -> None:
     trip = Winding(travel=0.5, settle=0.0, start_delay=0.0)
     ropes = [
-        rope_in_process("rope-120", level="draft", parameters={"rope.EI": EI})
-        for EI in (300.0, 450.0)
+        rope_in_process("rope-120", level="draft", parameters={name: value})
+        for value in (300.0, 450.0)
     ]
     stopped = Host(ropes[0], Hoist(), trip).run(lambda fraction, t: t < 0.1, tmp_path / "kept.npz")
     assert stopped.saved is not None
-    with pytest.raises(ValueError, match=r"rope\.EI is 300\.0 there, 450\.0 here"):
+    with pytest.raises(ValueError, match=told):
         Host(ropes[1], Hoist(), trip).run(resume=Checkpoint.read(stopped.saved))
 
 

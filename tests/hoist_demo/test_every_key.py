@@ -19,9 +19,9 @@ from hoist_demo.files.reading import read
 from hoist_demo.files.registry import SECTIONS, host_parameters, rope_parameters
 from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.parameters import SIDES
-from hoist_demo.parameters.quantity import Parameter, Value
+from hoist_demo.parameters.quantity import FileParameter, Value
 from hoist_demo.parameters.suspension import SuspensionOffset
-from hoist_demo.run.data import build
+from hoist_demo.run.data import build_single_trip
 from hoist_demo.run.ropes import Ropes, ropes_of
 from hoist_demo.uncertainty.definition import UncertaintyFile
 from rope_model import Scene
@@ -120,7 +120,7 @@ def of_ropes(ropes: Ropes) -> Handed:
 
 def wound(hoist: str, _: Path) -> Handed:
     return of_ropes(
-        ropes_of(find_case(hoist), build(hoist, {}).as_single_trip(), {}, find_case(hoist).level)
+        ropes_of(find_case(hoist), build_single_trip(hoist, {}), {}, find_case(hoist).level)
     )
 
 
@@ -164,7 +164,7 @@ COMMANDS = {
 }
 
 
-def keys() -> Iterator[Parameter]:
+def keys() -> Iterator[FileParameter]:
     """Yield the keys of a hoist's file by their names in it, those of a [[rope]] as [[rope]].NAME."""
     yield from host_parameters().values()
     for p in rope_parameters().values():
@@ -174,7 +174,7 @@ def keys() -> Iterator[Parameter]:
         yield replace(p, name=f"[[rope]].{p.name.removeprefix('rope.')}")
 
 
-def other_value(p: Parameter) -> Value:
+def other_value(p: FileParameter) -> Value:
     """Return a valid value that is not the default."""
     if (chosen := _CHOSEN.get(p.name.replace("[[rope]]", "rope"))) is not None:
         return chosen
@@ -233,15 +233,17 @@ def written(values: Mapping[str, Value], folder: Path) -> str:
     return str(path)
 
 
-def batches(every: Iterable[Parameter], refuses: tuple[str, ...]) -> Iterator[list[Parameter]]:
+def batches(
+    every: Iterable[FileParameter], refuses: tuple[str, ...]
+) -> Iterator[list[FileParameter]]:
     """Yield the keys group by group, for one reading of a file each; those that may be refused are apart."""
-    groups = dict[tuple[str, bool], list[Parameter]]()
+    groups = dict[tuple[str, bool], list[FileParameter]]()
     for p in every:
         groups.setdefault((p.name.rpartition(".")[0], p.name.startswith(refuses)), []).append(p)
     yield from groups.values()
 
 
-def holds(handed: Handed, p: Parameter, value: Value) -> bool:
+def holds(handed: Handed, p: FileParameter, value: Value) -> bool:
     """Return True if what is handed to the run holds a key's value, a choice by its word or its code."""
     wanted = [value]
     if isinstance(value, str) and value in p.choices:
@@ -258,7 +260,7 @@ def holds(handed: Handed, p: Parameter, value: Value) -> bool:
     return all(other.get(one, other.get(f"rope.{one}")) in wanted for one in own)
 
 
-def outcome(command: Command, batch: list[Parameter], folder: Path) -> dict[str, str]:
+def outcome(command: Command, batch: list[FileParameter], folder: Path) -> dict[str, str]:
     """Return by key "" or what became of its value; keys that are refused together are tried one by one."""
     values = {p.name: other_value(p) for p in batch}
     if any("breaks_" in name for name in values):

@@ -117,7 +117,7 @@ def test_every_case_starts_with_the_weight_of_its_rope_and_makes_fifty_steps(nam
     assert (result.steps, result.warning) == (50, "")
     assert result.cause.endswith("stopped by the user")
     r = result.recording
-    hoist = host.hoist
+    hoist = host.plan.hoist
     left = r["left.fy"][0]
     right = r["right.fy"][0]
     weight = GRAVITY * hoist.tail_rope_mass
@@ -125,7 +125,7 @@ def test_every_case_starts_with_the_weight_of_its_rope_and_makes_fifty_steps(nam
     # the legs differ by the height, but for the strain (1e-4) and the slant of legs that meet in a loop
     assert_allclose(left - right, weight * hoist.shaft_travel, rtol=2e-3)
     # the rim follows the reference, jerk t^3 / 6, within what the swinging ropes turn it back and forth
-    asked = host.winding.jerk * r.time[-1] ** 3 / 6.0
+    asked = host.plan.winding.jerk * r.time[-1] ** 3 / 6.0
     assert_allclose(
         hoist.sheave_radius * (r["drive.angle"][-1] - r["drive.angle"][0]), asked, atol=5e-3
     )
@@ -134,7 +134,7 @@ def test_every_case_starts_with_the_weight_of_its_rope_and_makes_fifty_steps(nam
 def test_slip_safety_and_motor_power_are_recorded() -> None:
     host, result = start("rope-120")
     r = result.recording
-    limit = host.hoist.tension_ratio_limit
+    limit = host.plan.hoist.tension_ratio_limit
     assert_allclose(
         r["drive.slip_safety"], (limit - 1.0) / (r["drive.tension_ratio"] - 1.0), rtol=1e-12
     )
@@ -145,10 +145,10 @@ def test_slip_safety_and_motor_power_are_recorded() -> None:
 
 def test_what_the_hoist_gives_is_what_all_its_balance_ropes_get() -> None:
     host, result = start("kiruna-355")
-    assert host.hoist.tail_rope_number == 3
+    assert host.plan.hoist.tail_rope_number == 3
     work = result.recording["drive.work_from_balance_rope"]
     assert np.max(np.abs(work)) > 1e3
     # the exchange makes up 4e-5 of it; with the work on one rope only, two thirds would be missing
     assert_allclose(
-        exchange_energy(result.recording, host.hoist), 0.0, atol=1e-3 * np.max(np.abs(work))
+        exchange_energy(result.recording, host.plan.hoist), 0.0, atol=1e-3 * np.max(np.abs(work))
     )

@@ -24,7 +24,7 @@ from hoist_demo.files.values import statuses as file_statuses
 from hoist_demo.parameters import GRAVITY
 from hoist_demo.report.hoist import check_in_words, consequences_text
 from hoist_demo.run.complete_file import as_file, hoist_provenance
-from hoist_demo.run.data import build
+from hoist_demo.run.data import build, build_single_trip
 from hoist_demo.run.ropes import ropes_of
 from rope_model.scene_names import named_parameters
 
@@ -613,8 +613,8 @@ def test_the_complete_file_has_every_value_of_the_hoist_and_leads_back_to_it(
         name = file.stem
     text = as_file(find_case(name), name, {})
     path = written(tmp_path / "hoist.toml", text)
-    one = build(name, {}).as_single_trip()
-    again = build(str(path), {}).as_single_trip()
+    one = build_single_trip(name, {})
+    again = build_single_trip(str(path), {})
     cases = [find_case(name), find_case(str(path))]
     ropes = [
         ropes_of(case, run, {}, case.level).ropes

@@ -320,7 +320,7 @@ def test_bad_data_is_named_with_its_bound_and_a_cure(name: str) -> None:
 
 def test_bounds_of_host_and_rope_have_the_same_names() -> None:
     shared = {"lower", "upper", "cure"}
-    assert shared <= {*quantity.Bounds._fields}
+    assert shared <= {*quantity.NumberRange._fields}
     assert shared <= {*parameter_table.Bounds._fields}
 
 

@@ -17,7 +17,7 @@ from hoist_demo.command_line import wind
 from hoist_demo.command_line.main import main
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope, Piece
-from hoist_demo.cosimulation.participants.rope_group import Member, RopeGroup, WholeRope
+from hoist_demo.cosimulation.participants.rope_group import GroupedRope, RopeGroup, WholeRope
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.parameters import GRAVITY, Coupling, hoist_with
 from hoist_demo.parameters.suspension import SuspensionOffset
@@ -32,7 +32,7 @@ def group(*ropes: RopePlant, apart: float = 0.4) -> RopeGroup:
     first = -0.5 * apart * (len(ropes) - 1)
     return RopeGroup(
         [
-            Member(f"rope{k}", one, SuspensionOffset(z=first + (k - 1) * apart))
+            GroupedRope(f"rope{k}", one, SuspensionOffset(z=first + (k - 1) * apart))
             for k, one in enumerate(ropes, 1)
         ]
     )
@@ -129,7 +129,7 @@ def test_moments_do_the_work_that_the_forces_do_at_the_ropes_ends() -> None:
     forces = dict.fromkeys(names, 0.0)
     forces |= {"left.fx": 30.0, "left.fy": -800.0, "left.fz": -20.0, "left.my": 3.0}
     one = Weight(forces)
-    ropes = RopeGroup([Member("a", one, SuspensionOffset(x_left=0.2, z=-0.3))])
+    ropes = RopeGroup([GroupedRope("a", one, SuspensionOffset(x_left=0.2, z=-0.3))])
     conveyance = EndMotion(y=5.0, vx=0.1, vy=2.0, vz=-0.4, yaw=0.6, yaw_rate=0.7)
     ropes.initialize(0.0, conveyance, EndMotion())
     end, _ = one.ends[-1]
@@ -147,7 +147,7 @@ def test_moments_do_the_work_that_the_forces_do_at_the_ropes_ends() -> None:
 def test_a_point_of_a_turning_conveyance_moves_by_the_rates_that_it_is_given() -> None:
     one = Weight({})
     H = 1e-3
-    ropes = RopeGroup([Member("a", one, SuspensionOffset(x_left=0.2, z=-0.3))])
+    ropes = RopeGroup([GroupedRope("a", one, SuspensionOffset(x_left=0.2, z=-0.3))])
 
     def conveyance(t: float) -> EndMotion:
         return EndMotion(x=0.1 * t**2, vx=0.2 * t, ax=0.2, yaw=0.5 * t**2, yaw_rate=t)

@@ -49,6 +49,16 @@ def anchor(heading: str) -> str:
 ELSEWHERE = "scripts/"
 
 
+def test_the_readme_of_the_tests_lists_each_helper_once() -> None:
+    text = (ROOT / "tests" / "README.md").read_text(encoding="utf-8")
+    _, section = text.split("## Helpers\n")
+    section, *_ = section.split("\n## ")
+    listed = [name for row in section.splitlines()[3:] for name in row.split("|")[1:2]]
+    names = re.findall(r"`(\w+)`", "".join(listed))
+    helpers = [path for path in (ROOT / "tests" / "helpers").iterdir() if path.name[0] not in "_."]
+    assert sorted(names) == sorted(path.stem for path in helpers)
+
+
 @cache
 def source_paths() -> tuple[str, ...]:
     """Paths of the sources, each from the top of the checkout."""

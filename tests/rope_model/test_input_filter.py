@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from end_paths import Follower, usual_manner
+from end_paths import Follower, settings_of, usual_manner
 from numpy.testing import assert_allclose
 from scenes import Ends, hung, recorded
 from unfit_motions import TRAVEL, H
@@ -23,7 +23,6 @@ from rope_model import (
     balance_rope,
     rope_120,
 )
-from rope_model.boundary.input_filter import settings_of
 from rope_model.solver_parameters import Trusted
 
 TRIP = s_curve(Winding(travel=TRAVEL, speed=4.0, start_delay=0.2))

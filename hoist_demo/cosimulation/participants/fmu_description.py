@@ -17,7 +17,7 @@ from zipfile import BadZipFile, ZipFile
 import fmpy
 from fmpy.model_description import ScalarVariable, ValidationError
 
-from hoist_demo.parameters.quantity import Bounds, Parameter, Value, fmi_unit
+from hoist_demo.parameters.quantity import FileParameter, NumberRange, Value, fmi_unit
 from hoist_demo.recording.fidelity import FIDELITY
 from rope_model.scene_names import choices_of
 
@@ -125,7 +125,7 @@ def unpacked(path: Path, changed: int, size: int) -> Path:
     return directory
 
 
-def read_parameters(path: Path) -> dict[str, Parameter]:
+def read_parameters(path: Path) -> dict[str, FileParameter]:
     """Return the parameters of an FMU by name."""
     return read_fmu(path).parameters
 
@@ -151,9 +151,9 @@ class Fmu:
         return by_name
 
     @cached_property
-    def parameters(self) -> dict[str, Parameter]:
+    def parameters(self) -> dict[str, FileParameter]:
         """Parameters by name, each element of an array on its own."""
-        parameters: dict[str, Parameter] = {}
+        parameters: dict[str, FileParameter] = {}
         for variable in self.variables:
             if variable.causality == "parameter":
                 starts = zip(variable.elements, variable.starts, strict=True)
@@ -174,14 +174,14 @@ class Fmu:
         return units
 
 
-def _parameter(name: str, variable: Variable, start: Value) -> Parameter:
+def _parameter(name: str, variable: Variable, start: Value) -> FileParameter:
     """Return one element of a variable as a parameter."""
-    return Parameter(
+    return FileParameter(
         name,
         fmi_unit(variable.unit),
         _KINDS.get(variable.kind, variable.kind),
         start,
-        Bounds(variable.minimum, variable.maximum),
+        NumberRange(variable.minimum, variable.maximum),
         choices_of(name),
     )
 

@@ -57,14 +57,22 @@ class HoistPartner:
     """Hoist as a coupling's drive; `command` is to be called between steps."""
 
     def __init__(
-        self, plant: HoistPlant, state: PlantState, initial_input: Vector, clock: Stopwatch
+        self,
+        plant: HoistPlant,
+        state: PlantState,
+        initial_input: Vector,
+        clock: Stopwatch,
+        per_step: int = 1,
     ) -> None:
-        """`initial_input` acts at the start, in the order of INPUT_NAMES."""
+        """`initial_input` acts at the start, in the order of INPUT_NAMES.
+
+        `per_step` is the number of the controller's samples in a step.
+        """
         self.plant = plant
         self.state = state
         self.input = initial_input  # that acts now, forces included
-        self.per_step = 1  # samples of the controller in a step
-        self.next_command: NextCommand | None = None  # None with one sample in a step
+        self._per_step = per_step
+        self._next_command: NextCommand | None = None  # None: the first command is held
         self._first = DriveCommand(initial_input.item(_TORQUE), initial_input.item(_BRAKE))
         #: Polynomial of the input over the next step.
         self._path = np.concatenate([initial_input, np.zeros(2 * initial_input.size)])
@@ -79,6 +87,10 @@ class HoistPartner:
         self._set_command(command)
         self._path[_SIDES] = side_forces
         self._last_load = None
+
+    def sample_within_steps(self, next_command: NextCommand) -> None:
+        """Take the controller's later commands of each step from this function."""
+        self._next_command = next_command
 
     def step(self, t: float, h: float, load: Load) -> Status:
         """Advance the hoist by one step under the load; a constant load is held to the bit."""
@@ -95,15 +107,15 @@ class HoistPartner:
 
     def _advance(self, t: float, h: float, load: Load) -> PlantStep:
         """Advance the plant under the step's commands; a repeated step begins with the first one."""
-        number = self.per_step
+        number = self._per_step
         path = self._path_under(load)
         added_mass = load.added_mass
         self._set_command(self._first)
         reached = self.plant.advance(self.state, h, path, added_mass, begin=0.0, end=1.0 / number)
         for k in range(1, number):
-            if not reached.valid or self.next_command is None:
+            if not reached.valid or self._next_command is None:
                 break
-            self._set_command(self.next_command(k, t + k * h / number, reached.outputs))
+            self._set_command(self._next_command(k, t + k * h / number, reached.outputs))
             reached = self.plant.advance(
                 reached.state, h, path, added_mass, begin=k / number, end=(k + 1) / number
             )

@@ -134,16 +134,23 @@ class InProcessRope:
         self._rope.restore(snapshot)
 
     def to_bytes(self, snapshot: rope_model.Snapshot) -> bytes:
-        return _TAG + stamp(snapshot.to_bytes(), self.data().parameters)
+        return _TAG + stamp(snapshot.to_bytes(), self._tunable())
 
     def from_bytes(self, data: bytes) -> bytes:
-        """Return the state for `restore`; ValueError for that of an FMU or of other parameters."""
+        """Return the state for `restore`; ValueError for that of an FMU, or of other tunable parameters.
+
+        `restore` refuses one of other fixed parameters.
+        """
         if not data.startswith(_TAG):
             raise ValueError(
                 "the state must be that of a rope in process, it is of an FMU: "
                 "give that with --fmu FILE"
             )
-        return unstamp(data.removeprefix(_TAG), self.data().parameters)
+        return unstamp(data.removeprefix(_TAG), self._tunable())
+
+    def _tunable(self) -> dict[str, Value]:
+        """Return the parameters that a run may change; a snapshot has the others itself."""
+        return {p.name: p.value for p in named_parameters(self._rope.scene) if p.facts.tunable}
 
     def units(self) -> dict[str, str]:
         """Unit of each output of the record, and of the fidelity's code."""

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import get_args
 
+from hoist_demo.cosimulation.participants.identity import differences
 from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.parameters.suspension import SuspensionOffset
@@ -18,7 +19,7 @@ _TORQUE = tuple(f"rope.{name}" for name in ("Qb", "Qc", "installed_twist", *CURV
 
 
 def stamp(state: bytes, parameters: Mapping[str, Value]) -> bytes:
-    """Prepend a line with the parameters that a rope's state belongs to."""
+    """Prepend a line with parameters that a rope's state belongs to, and does not hold itself."""
     return json.dumps(dict(parameters), sort_keys=True).encode() + b"\n" + state
 
 
@@ -31,16 +32,10 @@ def unstamp(data: bytes, parameters: Mapping[str, Value]) -> bytes:
         raise ValueError(
             "the state must tell its rope's parameters: give a checkpoint of this version"
         ) from error
-    names = sorted({*there, *parameters})
-    differences = [
-        f"{name} is {there.get(name, 'missing')} there, {parameters.get(name, 'missing')} here"
-        for name in names
-        if there.get(name) != parameters.get(name)
-    ]
-    if differences:
+    changes = differences(there, parameters)
+    if changes:
         raise ValueError(
-            "the rope's parameters must be those of the state, but "
-            f"{', '.join(differences)}: set them so"
+            f"the rope's parameters must be those of the state, but {changes}: set them so"
         )
     return state
 

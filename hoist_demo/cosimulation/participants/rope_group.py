@@ -49,7 +49,7 @@ class WholeRope(RopePlant, Protocol):
 
 
 @dataclass(frozen=True)
-class Member:
+class GroupedRope:
     """One rope of a group, with its name and suspension."""
 
     name: str
@@ -75,7 +75,9 @@ class GroupSnapshot(NamedTuple):
 class RopeGroup:
     """A RopePlant of several; signals of a member begin with its name."""
 
-    def __init__(self, members: Sequence[Member], neighbours: Neighbours | None = None) -> None:
+    def __init__(
+        self, members: Sequence[GroupedRope], neighbours: Neighbours | None = None
+    ) -> None:
         """With `neighbours` the members, each a WholeRope, press each other."""
         names = [member.name for member in members]
         if not names or len({*names}) < len(names):
@@ -85,9 +87,9 @@ class RopeGroup:
         self.members = tuple(members)
         self.neighbours = neighbours
         self._conveyances: _Ends = (EndMotion(), EndMotion())
-        self._rope_ends = list[_Ends]()  # motions of the ropes' ends
+        self._rope_ends: list[_Ends] = []  # motions of the ropes' ends
         self._means: list[_Array | None] = [None] * len(names)  # mean forces of a halved step
-        self._read_means = list[Reader]()
+        self._read_means: list[Reader] = []
         if neighbours is not None:
             self._read_means = [member.rope.reader(MEANS) for member in members]
 

@@ -128,8 +128,8 @@ def along(recording: Recording, name: str) -> dict[str, object]:
         "columns": len(rows),
         "span": recording.time[[0, -1]].tolist(),
     }
-    maps = list[dict[str, object]]()
-    missing = list[str]()
+    maps: list[dict[str, object]] = []
+    missing: list[str] = []
     for quantity, title, unit, factor in MAPS:
         values = recording.along(quantity)
         if values is None:

@@ -30,7 +30,7 @@ STATUS = "status"
 CAUSE = "cause"
 #: Columns of the table that the page does not plot.
 _NO_COLUMNS = (STATUS, CAUSE, "run", "key", WARNINGS, MISSING)
-ROUNDING = 1e-9  #: Relative difference within which two numbers are one.
+EQUAL_WITHIN = 1e-9  #: Relative difference within which two numbers are one.
 _META_OF_PAGE = ("title", "parameters")  #: Keys of `meta` that the page uses elsewhere.
 LISTED_RUNS = 8  #: Most numbers of runs that a sentence lists.
 #: columns that are shown first behind what varies and what is judged
@@ -182,7 +182,7 @@ def _differ(values: Sequence[float | str | None]) -> bool:
     numbers = [value for value in values if isinstance(value, float)]
     if len(numbers) < len(values):
         return len(set(values)) > 1
-    return max(numbers) - min(numbers) > ROUNDING * max(map(abs, numbers))
+    return max(numbers) - min(numbers) > EQUAL_WITHIN * max(map(abs, numbers))
 
 
 def _list(title: str, lines: Sequence[str]) -> str:
@@ -210,7 +210,7 @@ def _columns_in_engineering_units(
     table: pd.DataFrame, units: Mapping[str, str]
 ) -> dict[str, _Column]:
     """Return the columns that the page plots, in units with prefixes where numbers are large."""
-    columns = dict[str, _Column]()
+    columns: dict[str, _Column] = {}
     for name in map(str, table.columns):
         if name in _NO_COLUMNS:
             continue

@@ -24,7 +24,7 @@ static inline void set_end_value(EndMotion *motion, int index, double value) {
     memcpy((char *)motion + offsets[index], &value, sizeof value);
 }
 
-/* Refuse a target motion that is out of range, or whose `measures`, from input_filter_path_measures, exceed the
+/* Refuse a target motion that is out of range, or whose `measures`, from path_measures, exceed the
  * scene's. */
 RopeStatus check_motion(const Scene *scene, const EndMotion *target, const double measures[PATH_MEASURES], int side,
                         char *message);

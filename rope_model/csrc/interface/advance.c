@@ -54,7 +54,7 @@ static RopeStatus hold_ends(const Scene *scene, State *state, const EndMotion en
         const EndPath path = end_path_at_rest(state->t, end);
         state->filters[side] = input_filter_at_rest(state->t, end);
         double measures[PATH_MEASURES];
-        input_filter_path_measures(&path, &state->filters[side], measures);
+        path_measures(&path, &state->filters[side], measures);
         if (!check_motion(scene, end, measures, side, message)) return ROPE_FAILED;
         double fastest = fabs(end->yaw_rate);
         fastest = fmax(fastest, fmax(fabs(end->vx), fmax(fabs(end->vy), fabs(end->vz))));

@@ -45,7 +45,7 @@ static RopeStatus move_ends(Simulator *sim, State *state, double t, const EndMot
         const InputFilter now = follow_end(sim->state, &settings, side, t, &ends[side], given_at);
         const EndPath path = filter_path(&sim->state->paths[side], &now, t, settings.observer);
         double measures[PATH_MEASURES];
-        input_filter_path_measures(&path, &now, measures);
+        path_measures(&path, &now, measures);
         if (!check_motion(scene, &ends[side], measures, side, sim->message)) return ROPE_FAILED;
         if (!check_input_age(&scene->inputs, t, &now, side, sim->message)) return ROPE_FAILED;
         state->paths[side] = path;

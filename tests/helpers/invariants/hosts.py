@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import fmpy
 import numpy as np
@@ -15,6 +16,7 @@ from exports import EXPORTS
 from native_host import OK, Host
 
 from hoist_demo.cases.table import find_case
+from hoist_demo.cosimulation.compiled_trip import CompiledTrip
 from hoist_demo.cosimulation.host import Host as Hoisting
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.cosimulation.run_state import Result
@@ -120,9 +122,10 @@ class Trip:
     def run(self, in_python: bool = False) -> Result:
         rope = InProcessRope(rope_scene({**find_case("rope-120").rope, **self.rope}, "draft"))
         host = Hoisting(rope, self.hoist, self.winding, self.coupling)
-        if in_python:
-            vars(host)["_compiled"] = lambda _: None
-        return host.run()
+        if not in_python:
+            return host.run()
+        with patch.object(CompiledTrip, "for_run", return_value=None):
+            return host.run()
 
 
 def _trip(case: Case, draws: Draws) -> Trip:

@@ -1,22 +1,19 @@
-"""What is known of a rope: the catalogue, what `balance-rope identify` finds, windings over ranges (`uncertain`)."""
+"""What `balance-rope identify` finds of a rope from measurements, and how well it is known."""
 
-import math
 import os
 import subprocess
 import sys
 from argparse import Namespace
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
-from checkout import EXAMPLES, ROOT
+from checkout import ROOT
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
-from shares import share_of
+from rope_files import AT_REST, ROPE, written
 
 from hoist_demo.calibration import measurements
 from hoist_demo.calibration.definition import MeasurementFile
@@ -41,25 +38,13 @@ from hoist_demo.command_line.main import main
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.files.reading import FileError, read
 from hoist_demo.files.rope_file import FOLLOWING, RopeFile
-from hoist_demo.files.values import ParameterValue, statuses, unreached, values_of
-from hoist_demo.uncertainty.definition import UncertaintyFile
-from hoist_demo.uncertainty.page import remarks, too_few
-from hoist_demo.uncertainty.spread import UncertaintyResult, draw, remarks_of, wind_once
-from rope_model import BEARINGS, CONSTRUCTIONS, Rope, Scene, rope
-from rope_model.catalogue import PROPERTIES, SHEAR, STEEL_MODULUS, Datum, properties_of, rope_of
-from rope_model.physics import costello
+from hoist_demo.files.values import statuses, values_of
+from rope_model import Rope, Scene, rope
 
 pytestmark = pytest.mark.usefixtures("plain_figures")
 
-ROPE = '[rope]\nconstruction = "34x7"\ndiameter = 0.046\nlength = 120.0\n'
 WIDTH = '[[measured]]\nwhat = "loop width"\nvalue = 3.05\nsigma = 0.05\n'
 TRACK = '[[measured]]\nwhat = "track"\nsignal = "loop.x"\nt = 9.0\nspeed = 8.0\nvalue = 0.1\nsigma = 0.01\n'
-
-
-def written(folder: Path, text: str) -> Path:
-    path = folder / "measured.toml"
-    path.write_text(text, encoding="utf-8")
-    return path
 
 
 def test_a_linear_rope_is_within_its_interval_in_nine_cases_of_ten() -> None:
@@ -248,7 +233,6 @@ def test_measurements_that_contradict_each_other_are_told(
 
 
 MASS = '[[measured]]\nwhat = "mass"\nvalue = 8.368\nsigma = 0.02\n'
-AT_REST = '[[measured]]\nwhat = "at rest"\nleft_y = 0.0\nright_y = 40.0\n'
 PULL = f'{AT_REST}signal = "left.fy"\nvalue = 3000.0\nsigma = 20.0\n'
 STRETCH = '[[measured]]\nwhat = "sample extension"\nload = 50e3\nlength = 10.0\nvalue = 5.29e-2\nsigma = 1e-4\n'
 HEAVY = MASS.replace("8.368", "18.45")
@@ -438,182 +422,6 @@ def test_what_is_wrong_with_a_file_is_told(tmp_path: Path, text: str, problem: s
         read(written(tmp_path, text), MeasurementFile)
 
 
-SCENE = """
-[uncertain]
-hoist = "rope-120"
-level = "draft"
-samples = 8
-measures = ["left_swivel_torque", "rope_force_ripple"]
-[rope]
-construction = "34x7"
-diameter = 0.044
-[known]
-mass_per_length = 7.7
-axial_stiffness = 9e7
-torsional_stiffness = 40.0
-"""
-TRIP = "[fixed]\nwinding.travel = 1.0\nwinding.settle = 1.0\n"
-
-
-def test_samples_fill_the_ranges_and_make_the_ropes(tmp_path: Path) -> None:
-    asked = read(written(tmp_path, SCENE), UncertaintyFile)
-    assert [*asked.data] == ["torque_factor", "bending_stiffness"]
-    samples = draw(asked)
-    shares = []
-    for values in samples:
-        shares.append([share_of(asked.data[name], x) for name, x in values.items()])
-    # eight points of a Sobol sequence: one in each eighth of each range
-    assert_allclose(np.sort(np.floor(8 * np.array(shares)), axis=0), np.arange(8)[:, None] + [0, 0])
-    run = asked.run(samples[0])
-    rope = rope_scene(run.rope_values).rope
-    assert_allclose(rope.Qc, samples[0]["torque_factor"] * 9e7 * 0.044)
-    assert rope.length == run.hoist.tail_rope_length == 120.0
-    assert rope.mass_per_length == run.hoist.tail_rope_mass == 7.7
-    found = {one.name: one.status for one in asked.provenance()}
-    wanted = {"rope.Qa": "given", "rope.rhoJ": "derived"}
-    assert {key: found[key] for key in (*wanted, "rope.Qc")} == wanted | {"rope.Qc": "varied"}
-
-
-def test_the_datum_that_causes_a_result_has_its_share(tmp_path: Path) -> None:
-    asked = read(written(tmp_path, SCENE.replace("samples = 8", "samples = 256")), UncertaintyFile)
-    samples = draw(asked)
-    columns = {}
-    for name in asked.data:
-        columns[name] = np.array([values[name] for values in samples])
-    u, v = (np.argsort(np.argsort(columns[name])) / 255 for name in asked.data)
-    # of independent ranks the sum with weights 2 and 1 has variances of 4 and 1; a monotone function changes no rank
-    columns |= {"left_swivel_torque": np.exp(2 * u + v), "rope_force_ripple": np.full(256, 3.0)}
-    causes = UncertaintyResult(asked, columns).causes("left_swivel_torque")
-    assert_allclose([*causes.values()], [0.8, 0.2, 0.0], atol=0.03)
-    assert UncertaintyResult(asked, columns).causes("rope_force_ripple") == {}
-    assert too_few(UncertaintyResult(asked, columns)) == ""
-
-
-def test_windings_over_the_ranges(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = written(tmp_path, SCENE + TRIP)
-    assert main(["uncertain", str(path), "--workers", "1", "--out", str(tmp_path)]) == 0
-    assert "caused by torque_factor" in capsys.readouterr().out
-    table = pd.read_csv(tmp_path / "windings.csv").rename(
-        columns=lambda name: name.partition(" ")[0]
-    )
-    # held ends carry c1 d times the mean tension, of legs of 15 and 105 m, but for the little that the yaw lets go
-    held = table["torque_factor"] * 0.044 * 7.7 * 9.81 * (15**2 + 105**2) / 240
-    assert_allclose(table["left_swivel_torque"], held, rtol=0.05)
-    assert "bending stiffness" in (tmp_path / "report.html").read_text(encoding="utf-8")
-
-
-def test_a_rope_that_passed_through_itself_sets_no_range(tmp_path: Path) -> None:
-    coupled = SCENE.replace("torsional_stiffness", "torque_factor = 0.12\ntorsional_stiffness")
-    asked = read(written(tmp_path, coupled + TRIP + "layout.spacing = 0.4\n"), UncertaintyFile)
-    values = {name: datum.middle for name, datum in asked.data.items()}
-    found, (told,) = wind_once(asked, values)
-    assert np.isnan([*found.values()]).all()
-    assert told.startswith("left out: the rope passed through its other leg")
-
-
-@pytest.mark.parametrize(
-    ("reason", "code"),
-    [("", 0), ("warning: slack", 0), ("stopped: a cause", 1), ("left out: x", 1)],
-)
-def test_each_winding_that_does_not_count_decides_the_exit_code(
-    tmp_path: Path, reason: str, code: int
-) -> None:
-    asked = read(written(tmp_path, SCENE), UncertaintyFile)
-    reasons = {}
-    told = []
-    if reason:
-        reasons[reason] = 1
-        told.append(f"in 1 of 8 windings: {reason}")
-    result = UncertaintyResult(asked, {}, reasons)
-    assert (result.exit_code, result.completed) == (code, 8 - code)
-    assert remarks(result) == told
-
-
-def test_a_remark_of_many_windings_has_the_range_of_its_numbers() -> None:
-    texts = [[f"yawed by {yaw} rad (bound 0.5 rad)"] for yaw in ("9.5e-01", "0.61", "10")]
-    assert remarks_of([*texts, [], ["struck"]]) == {
-        "yawed by 0.61 to 10 rad (bound 0.5 rad)": 3,
-        "struck": 1,
-    }
-
-
-@pytest.mark.parametrize(
-    ("change", "problem"),
-    [
-        (("samples = 8", "samples = 100"), "samples = 100 must be a power of two from 8 on"),
-        (
-            ("samples = 8", 'samples = 8\nbearing = "air"'),
-            "bearing = 'air' must be '', 'rolling' or 'plain'",
-        ),
-        (
-            ("samples = 8", 'samples = 8\nbearing = ["plain"]'),
-            r"bearing = \['plain'\] must be '', 'rolling'",
-        ),
-        (("left_swivel_torque", "yaw"), "measures 1 = 'yaw' must be 'cycle_time'"),
-        (('"rope-120"', '"rope"'), "hoist = 'rope' must be a file, NAME.toml, or one of rope-120"),
-        (("[known]", "[fixed]\nrope.EI = 3\n[known]"), "rope.EI follows from the properties"),
-        (('construction = "34x7"', 'from = "nowhere.toml"'), r"nowhere.toml: cannot be read"),
-        (
-            ("= 7.7", "= 7700.0"),
-            r"mass_per_length = 7700 must be within 0\.755 and 77\.6 kg/m, .*: check its unit",
-        ),
-        (
-            ("= 7.7", "= { low = 0.007, high = 7.7 }"),
-            r"mass_per_length = .* must be within 0\.755 and 77\.6 kg/m",
-        ),
-        (("[known]", "[known]\ntorque_factor = 0.01\nbending_stiffness = 180.0"), "nothing varies"),
-        (
-            ("[known]", "[fixed]\nhoist.tail_rope_mass = 9.0\n[known]"),
-            r"\[fixed\] hoist.tail_rope_mass = 9.0 follows from the rope's \[known\] mass_per_length",
-        ),
-        (
-            ("samples = 8", 'samples = 8\nbearing = "rolling"'),
-            r"bearing = 'rolling' varies a friction that swivels",
-        ),
-    ],
-)
-def test_what_is_wrong_with_ranges_is_told(
-    tmp_path: Path, change: tuple[str, str], problem: str
-) -> None:
-    with pytest.raises(FileError, match=problem):
-        read(written(tmp_path, SCENE.replace(*change)), UncertaintyFile)
-
-
-def test_friction_that_is_given_beside_a_bearing_is_refused(tmp_path: Path) -> None:
-    swivels = '[fixed]\nswivels.mode = "coulomb"\n'
-    rolling = SCENE.replace("samples = 8", 'samples = 8\nbearing = "rolling"') + swivels
-    assert "running_friction" in read(written(tmp_path, rolling), UncertaintyFile).data
-    with pytest.raises(
-        FileError, match=r"\[fixed\] left.swivel.mu_static = 0.3 follows from \[uncertain\] bearing"
-    ):
-        read(written(tmp_path, f"{rolling}left.swivel.mu_static = 0.3\n"), UncertaintyFile)
-
-
-def test_a_given_value_that_a_run_does_not_have_is_named() -> None:
-    given = {name: ParameterValue(1.0) for name in ("rope.EI", "air.drag", "hoist.payload_left")}
-    told = [*unreached(given, {"rope.EI": 1.0, "air.drag": 2.0})]
-    assert len(told) == 2
-    assert told[0].startswith(
-        "[fixed] air.drag = 1.0 does not reach the rope or the hoist, which has 2.0"
-    )
-    assert told[1].startswith(
-        "[fixed] hoist.payload_left = 1.0 is a value that this command does not take"
-    )
-
-
-@pytest.mark.parametrize("command", ["uncertain", "identify"])
-def test_check_hangs_the_rope(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str
-) -> None:
-    where = f'{AT_REST}signal = "loop.yaw"\nvalue = 0.1\nsigma = 1.0\n'
-    text = {"uncertain": f"{SCENE}[fixed]\n", "identify": f"{ROPE}{where}[fixed]\n"}[command]
-    path = str(written(tmp_path, f"{text}layout.spacing = 2.0\n"))
-    assert main([command, path, "--check"]) == 0
-    path = str(written(tmp_path, f"{text}layout.spacing = 300.0\n"))
-    assert main([command, path, "--check"]) == 2
-    assert "the rope of 120 m cannot hang between ends 300 m apart" in capsys.readouterr().err
-
-
 @pytest.mark.parametrize(
     "both",
     [pytest.param(False, marks=pytest.mark.slow), True],
@@ -643,109 +451,3 @@ def test_a_reader_that_leaves_changes_no_exit_code(tmp_path: Path, both: bool) -
     assert done.returncode == 1
     assert both or b"warning: the measurements contradict the model" in done.stderr
     assert (tmp_path / "found" / "report.html").is_file()
-
-
-@pytest.mark.parametrize("name", ["rope-120", "kiruna-355"])
-def test_the_worked_files_are_right(name: str) -> None:
-    asked = read(EXAMPLES / "uncertain" / f"{name}.toml", UncertaintyFile)
-    assert len(asked.data) >= 4
-
-
-constructions = pytest.mark.parametrize("name", CONSTRUCTIONS)
-
-
-@constructions
-def test_every_datum_is_a_range_with_a_source(name: str) -> None:
-    known = rope(name, diameter=0.046)
-    assert known.data.keys() == PROPERTIES.keys()
-    of_bearings = chain.from_iterable(data.values() for data in BEARINGS.values())
-    for datum in [*known.data.values(), *of_bearings]:
-        assert 0 <= datum.low < datum.middle < datum.high
-        # what is called published says where, and none of it is ours
-        assert datum.source
-        assert datum.status != "published" or (
-            "http" in datum.source and "ours" not in datum.source
-        )
-        assert datum.status == "assumed" or "ours" not in datum.source
-
-
-@constructions
-def test_any_value_of_the_ranges_is_a_rope(name: str) -> None:
-    rng = np.random.default_rng(3)
-    known = rope(name, diameter=0.05)
-    for shares in rng.random((200, len(PROPERTIES))).round():  # corners
-        # a rope whose strain energy is not positive is refused
-        known.rope(
-            **{key: datum.at(u) for (key, datum), u in zip(known.data.items(), shares, strict=True)}
-        )
-
-
-def test_properties_of_a_rope_give_it_back() -> None:
-    known = rope("18x7", diameter=0.04, length=300.0, lay="left-hand")
-    made = known.rope(torque_factor=0.03, bending_stiffness=150.0)
-    assert_allclose(made.Qc, -0.03 * made.Qa * 0.04)
-    again = rope_of(0.04, 300.0, "left-hand", **properties_of(made))
-    for name in ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ", "length", "diameter"):
-        assert_allclose(getattr(again, name), getattr(made, name), rtol=1e-14)
-    assert_allclose(properties_of(Rope())["torque_factor"], 2.336e5 / (1.2e8 * 0.044))
-
-
-def test_a_sample_shows_the_properties() -> None:
-    """Held: the torque c1 d T. Turned at constant tension: D per twist (by the law of physics.costello)."""
-    made = rope("34x7", diameter=0.046).rope(torque_factor=0.015, torsional_stiffness=900.0)
-    T = 5e4
-    assert_allclose(
-        costello.torque(made.Qs, made.Qk, made.Qd, 0.0, T / made.Qa, 0.0), 0.015 * 0.046 * T
-    )
-    tau = 0.02
-    e = (T - made.Qb * tau) / made.Qa
-    turned = costello.torque(made.Qs, made.Qk, made.Qd, 0.0, e, tau)
-    assert_allclose(turned - 0.015 * 0.046 * T, 900.0 * tau, rtol=1e-9)
-
-
-@constructions
-def test_bending_begins_at_the_sum_of_the_wires(name: str) -> None:
-    construction = CONSTRUCTIONS[name]
-    d = 0.046
-    wire = 2 * math.sqrt(construction.area[0] * d**2 / (construction.wires * math.pi))
-    alone = construction.wires * STEEL_MODULUS * math.pi * wire**4 / 64
-    data = rope(name, diameter=d).data
-    assert_allclose(data["bending_stiffness"].low, alone)
-    assert_allclose(data["torsional_stiffness"].low, 2 * SHEAR * alone)
-
-
-def test_mass_is_that_of_the_standard() -> None:
-    # kg per 100 m: W d^2 with d in mm
-    assert_allclose(rope("34x7", diameter=0.046).data["mass_per_length"].low, 0.390 * 46**2 / 100)
-    assert_allclose(rope("6x36", diameter=0.030).data["mass_per_length"].high, 0.409 * 30**2 / 100)
-
-
-@pytest.mark.parametrize(
-    "datum", [Datum(2.0, 8.0, "m", "assumed", ""), Datum(0.0, 8.0, "m", "assumed", "")]
-)
-def test_shares_of_a_range(datum: Datum) -> None:
-    assert_allclose([datum.at(0), datum.at(1)], [datum.low, datum.high])
-    assert_allclose(datum.at(0.5), datum.middle)
-    assert_allclose(share_of(datum, datum.at(0.3)), 0.3)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (
-            {"construction": "7x7", "diameter": 0.04},
-            "construction = '7x7' is out of range: it must be one of 34x7",
-        ),
-        (
-            {"construction": "34x7", "diameter": 46.0},
-            "diameter = 46.0 is out of range.*give it in metres",
-        ),
-        (
-            {"construction": "34x7", "diameter": 0.04, "lay": "z"},
-            "lay = 'z' is out of range: it must be one of right",
-        ),
-    ],
-)
-def test_what_the_catalogue_lacks_is_refused(arguments: dict[str, object], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        rope(**arguments)  # type: ignore[arg-type]
