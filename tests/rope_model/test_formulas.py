@@ -1,7 +1,9 @@
 """C computes what Python does, to the bit: formulas and messages are written once."""
 
 import ctypes as ct
+import math
 import random
+from dataclasses import replace
 from enum import Enum
 from itertools import chain
 from typing import Any, get_args, get_type_hints
@@ -9,21 +11,24 @@ from typing import Any, get_args, get_type_hints
 import casadi as ca
 import numpy as np
 import pytest
-from native_parts import compiled
+from native_parts import compiled, message
 from numpy.testing import assert_allclose
 
+from rope_model.codegen import build
 from rope_model.codegen.expressions import texts_of
 from rope_model.codegen.formula_functions import function_code
 from rope_model.codegen.formulas import FORMULAS
 from rope_model.codegen.messages import texts
 from rope_model.codegen.rules import TABLES, table_code
-from rope_model.codegen.signatures import Argument, Formula, shape_of
+from rope_model.codegen.signatures import Argument, Formula, constant_in_c, function_in_c, shape_of
 from rope_model.codegen.state_structures import PARTS, PatternStructure, StateStructure
-from rope_model.codegen.structures import GROUPS, SceneStructure, ShaftStructure
+from rope_model.codegen.structures import GROUPS, SceneStructure, ShaftStructure, scene_structure
 from rope_model.codegen.symbols import Word, symbols_of
+from rope_model.engine import declare
 from rope_model.messages import fidelity_messages
 from rope_model.method.mesh_pattern import InnerCounts, Pattern
 from rope_model.parameters import Scene, Swivel
+from rope_model.physics import contact, guard
 from rope_model.physics.air import AirCoefficients
 from rope_model.physics.air_element import COEFFICIENTS_SIZE
 from rope_model.physics.elementary import Scalar, where
@@ -31,7 +36,7 @@ from rope_model.shaft_parameters import Shaft
 from rope_model.signals.signal_groups import group_of
 from rope_model.signals.signal_table import SIGNALS
 from rope_model.signals.state_signals import STATE_SIGNALS
-from rope_model.solver_parameters import FidelityChoice
+from rope_model.solver_parameters import FidelityChoice, Inputs
 from rope_model.state import RopeState
 
 #: formulas that Python evaluates on numbers; derivatives are for C alone
@@ -280,3 +285,32 @@ def test_an_output_of_an_unknown_group_is_refused() -> None:
 def test_numbers_of_the_air_law_return_to_their_coefficients() -> None:
     numbers = [*range(COEFFICIENTS_SIZE)]
     assert AirCoefficients.from_numbers(numbers).numbers() == numbers
+
+
+def guard_reset(t: Scalar) -> Scalar:
+    return t
+
+
+def test_a_name_in_c_tells_the_module_or_the_class_unless_it_has_a_word_of_it() -> None:
+    names = {function_in_c(function): function for function in FORMULAS}
+    assert len(names) == len(FORMULAS)
+    assert names["guard_watch"] is guard.watch
+    assert names["contact_law"] is contact.contact_law
+    assert "end_path_at" in names
+    assert function_in_c(guard_reset) == "test_formulas_guard_reset"
+    assert constant_in_c(guard, "NEVER") == "GUARD_NEVER"
+
+
+def test_both_languages_ask_whether_numbers_are_finite_before_they_look_at_choices() -> None:
+    nowhere: Any = "nowhere"
+    with pytest.raises(ValueError, match="finite") as refused:
+        replace(Inputs(), given=nowhere, acceleration_max=math.nan)
+    structure = scene_structure(Scene())
+    structure.inputs.given = 99
+    structure.inputs.acceleration_max = math.nan
+    text = message()
+    functions: Any = declare(ct.CDLL(str(build.library())))
+    assert not functions.rope_create(ct.byref(structure), None, text)
+    name, _, reason = str(refused.value).partition(" = ")
+    assert name in text.value.decode()
+    assert reason.partition("must be ")[2] in text.value.decode()
