@@ -155,9 +155,6 @@ def _flags(name: str) -> tuple[str, ...]:
     flags: list[str] = []
     if importlib.util.find_spec("ziglang") is not None:
         flags += ["-target", PLATFORMS[name].target]
-        if linux:
-            # link-time optimisation, which ziglang's linker supports there: a tenth faster
-            flags.append("-flto")
     flags += FLAGS
     if not name.endswith("windows"):
         flags.append("-fPIC")
