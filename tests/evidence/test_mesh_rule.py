@@ -64,7 +64,7 @@ def test_legs_take_a_quarter_of_what_is_asked_and_after_a_stop_some_times_what_s
     assert 1.5 < LEG_WAVES * FOUND.legs_stopped.values[0] / steps < 4
 
 
-@pytest.mark.parametrize("length", [pytest.param(600.0, marks=pytest.mark.slow), 800.0])
+@pytest.mark.parametrize("length", [600.0, 800.0])
 def test_waves_that_an_emergency_stop_pumps_have_four_elements_on_long_ropes(length: float) -> None:
     scene = Scene(Rope(length=length))
     bottom = PUMPED_LEG * length
