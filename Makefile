@@ -65,7 +65,7 @@ docs: $(READY)  ## build the site in build/site
 evidence: $(READY)  ## write the pages of evidence from the recorded data, without a run
 	$(BIN)/python -m evidence
 
-reproduce: $(READY)  ## run the published evaluation anew (10 minutes)
+reproduce: $(READY)  ## run the published evaluation anew (3 minutes)
 	$(BIN)/python -m evidence reproduction --measure reproduction
 
 accuracy: $(READY)  ## measure accuracy and speed anew (30 minutes, on a quiet machine)
@@ -74,7 +74,7 @@ accuracy: $(READY)  ## measure accuracy and speed anew (30 minutes, on a quiet m
 promise: $(READY)  ## compare requested and achieved accuracy on seeded scenes (half an hour)
 	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.promise
 
-stability: $(READY)  ## run the scenes in which methods fail (10 minutes)
+stability: $(READY)  ## run the scenes in which methods fail (3 minutes)
 	$(MEASURE) stability coupling -- stability
 
 validate: $(READY)  ## compare the model with measurements, theory and other codes (20 minutes)
