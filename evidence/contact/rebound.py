@@ -16,13 +16,13 @@ from scipy.optimize import brentq
 
 from evidence.statics import OUT_OF_PLANE, held, rod
 from evidence.tables import Array
-from rope_model.boundary.bodies import FLOOR
 from rope_model.method.generalized_alpha import Motion
 from rope_model.parameters import Rope
 from rope_model.physics import shaft
 from rope_model.physics.contact_element import CONTACT_BALANCE, LAW
 from rope_model.physics.element import BALANCE, ElementFunctions
 from rope_model.physics.rope_element import rope_element
+from rope_model.physics.shaft import KINDS
 from rope_model.reference.equations import Equations, of_elements
 from rope_model.reference.generalized_alpha import restart, step
 from rope_model.shaft_parameters import Contact, Sump
@@ -47,7 +47,7 @@ class Rebound:
 @cache
 def _element() -> ElementFunctions:
     """Return the published element with a floor, which takes most of a second to derive."""
-    return rope_element("torsional", (FLOOR,))
+    return rope_element("torsional", (KINDS.index("floor"),))
 
 
 def rebound(speed: float, damping: float, stiffness: float, h: float) -> Rebound:

@@ -314,7 +314,7 @@ class _Iterate:
             zip(self._keys, (x for x, _ in parts), strict=True)
         )
         self._trial = _stacked([x.force for x, _ in parts])
-        # rows of each pair of ropes in `_tried`
+        # rows of each pair of ropes in `_trial`
         rows = np.split(
             np.arange(len(self._trial)), np.cumsum([x.point_id.size for x, _ in parts])
         )[:-1]

@@ -1,9 +1,7 @@
 """Bodies of a scene at their present positions, and the check that they leave room for the rope's ends."""
 
 import math
-from collections.abc import Iterator, Sequence
 from functools import reduce
-from typing import NamedTuple
 
 from rope_model.boundary.end_paths import EndMotion
 from rope_model.messages import messages
@@ -21,39 +19,9 @@ from rope_model.physics.elementary import (
     sum_of,
     where,
 )
-from rope_model.physics.shaft import KINDS, Body
+from rope_model.physics.shaft import Body
 from rope_model.shaft_parameters import FAR, Shaft
 from rope_model.solver_parameters import FidelityChoice
-
-LINING, CONVEYANCE, HEAD_ROPES, DIVIDER, FLOOR = range(len(KINDS))
-#: motion of bodies at rest
-FIXED = -1
-
-
-class Placed(NamedTuple):
-    """Body with its kind and the end of the rope (0 left, 1 right) with which it moves."""
-
-    kind: int
-    moves_with: int
-    body: Body
-
-
-def placed_bodies(shaft: Shaft, ends: Sequence[Scalar]) -> Iterator[Placed]:
-    """Yield the bodies of the shaft, with the rope's ``ends`` (2 of (3,)) at these positions."""
-    if shaft.lining.width > 0:
-        yield Placed(LINING, FIXED, physics.lining(shaft.lining))
-    for side, end in enumerate(ends):
-        if shaft.conveyance.width > 0:
-            yield Placed(CONVEYANCE, side, physics.conveyance(shaft.conveyance, end))
-        if shaft.head_ropes.diameter > 0:
-            yield Placed(
-                HEAD_ROPES, side, physics.head_ropes(shaft.head_ropes, shaft.conveyance, end)
-            )
-    for divider in (shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4):
-        if divider.size > 0:
-            yield Placed(DIVIDER, FIXED, physics.divider(divider))
-    if shaft.sump.level > -FAR:
-        yield Placed(FLOOR, FIXED, physics.floor(shaft.sump))
 
 
 def may_touch(shaft: Shaft) -> Scalar:

@@ -11,8 +11,7 @@ import numpy as np
 
 from rope_model.arrays import Array
 from rope_model.physics import hermite
-from rope_model.physics.node import ANGLE, POSITION, SLOPE
-from rope_model.physics.point_forces import time_fraction
+from rope_model.physics.node import ANGLE
 
 #: tolerance for points beyond the rope's ends, over its length
 BEYOND_ENDS = 1e-9
@@ -52,12 +51,6 @@ class PointForces:
                 f"s goes {reach} and must be between 0 and the rope's length = {length:g} m: mend the places"
             )
 
-    def at(self, t: float) -> Array:
-        """Return the forces (n, 3) at ``t``, N."""
-        return np.asarray(
-            self.at_start + time_fraction(self.start, self.stop, t) * (self.at_stop - self.at_start)
-        )
-
 
 NO_FORCES = PointForces(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3)), 0.0, 1.0)
 
@@ -74,14 +67,3 @@ def at_places(x: Array, elements: Array, N: Array) -> Array:
     """Return the values (n, 3) at points of ``x`` (nodes, 6 or more), which has r, r' in its rows."""
     ends = np.concatenate((x[elements, :ANGLE], x[elements + 1, :ANGLE]), axis=1).reshape(-1, 4, 3)
     return np.asarray(np.einsum("kn,nki->ni", N, ends))
-
-
-def nodal_forces(forces: PointForces, lengths: Array, t: float) -> Array:
-    """Return the forces on the nodes (nodes, 7) at ``t``."""
-    nodal = np.zeros((lengths.size + 1, 7))
-    force = forces.at(t)
-    elements: Any
-    elements, N = elements_at(forces.s, lengths)
-    for k, N_k in enumerate(N):
-        np.add.at(nodal[:, (POSITION, SLOPE)[k % 2]], elements + k // 2, N_k[:, None] * force)
-    return nodal

@@ -149,7 +149,7 @@ class ElementFunctions:
     without torsion.
 
     residual:  (q, v, a, l, F, P) -> R (2 m,): inertia + internal - gravity, which external loads must balance
-    tangent:   (q, v, a, l, F, P, c_q, c_v, ca, q_prestress) -> R, J (2 m, 2 m): J = c_q dR/dq + c_v dR/dv + ca dR/da,
+    tangent:   (q, v, a, l, F, P, c_q, c_v, c_a, q_prestress) -> R, J (2 m, 2 m): J = c_q dR/dq + c_v dR/dv + c_a dR/da,
                exact and symmetric at rest if q_prestress is q.  In motion it leaves out how q and v change damping and
                spin inertia.  The axial strains of ``q_prestress`` stiffen the element sideways
     balance:   (q, v, l, F, P) -> BALANCE (9,)
@@ -449,7 +449,7 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     values = ca.vertcat(e, e_t), ca.vertcat(strain[0], tau, strain[2:], rate[0], tau_t, rate[2:])
     force = B.T @ ca.substitute(stress, *values) + inertia
 
-    # its derivative along (c_q, c_v, ca), exact at rest; how motion changes damping and spin inertia
+    # its derivative along (c_q, c_v, c_a), exact at rest; how motion changes damping and spin inertia
     # is left out
     damping = ca.substitute(ca.jacobian(stress, e_t), *values)
     damping[:, 1] = 0

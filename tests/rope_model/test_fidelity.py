@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from end_paths import led
+from fidelity_choice import choose_fidelity, lowest_sufficient
 from fidelity_scenes import EVEN, HIGH, SHORT, UNCOUPLED, ends_at
 from native_parts import RigidRope, rigid_rope
 from numpy.testing import assert_allclose
@@ -14,7 +15,7 @@ from scenes import CHOICES, Choice, wound
 
 from rope_model import BalanceRope, Model, Rope, Scene, Swivel, balance_rope
 from rope_model.boundary.end_paths import EndMotion, EndPath
-from rope_model.fidelity.choice import FIDELITIES, choose_fidelity, lowest_sufficient
+from rope_model.fidelity.choice import FIDELITIES
 from rope_model.fidelity.fidelity_rules import expected_travel, force_error
 
 H = 0.01

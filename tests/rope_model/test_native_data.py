@@ -9,6 +9,7 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 from end_paths import NO_MEASURES, Follower
+from fidelity_choice import choose_fidelity, lowest_sufficient, unsupported_motion
 from hypothesis import example, given
 from hypothesis import strategies as st
 from native_parts import compiled, refusal, stale_input_error
@@ -22,12 +23,7 @@ from rope_model import Rope, RopeCase, Scene, Swivel, scene_names
 from rope_model.boundary.end_paths import MOTION_BOUNDS, EndMotion
 from rope_model.boundary.input_filter import InputFilter, Repetitions
 from rope_model.codegen.structures import EndMotionStructure, SceneStructure, scene_structure
-from rope_model.fidelity.choice import (
-    FIDELITIES,
-    choose_fidelity,
-    lowest_sufficient,
-    unsupported_motion,
-)
+from rope_model.fidelity.choice import FIDELITIES
 from rope_model.physics.node import SIDES
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
 from rope_model.solver_parameters import FidelityChoice, Inputs, Model

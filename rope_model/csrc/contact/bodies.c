@@ -1,4 +1,4 @@
-/* The bodies of a scene at their present places. Formulas and tables: rope_model/boundary/bodies.py. */
+/* The bodies of a scene at their present places. Formulas: rope_model/physics/shaft.py. */
 
 #include "bodies.h"
 

@@ -1,4 +1,4 @@
-/* Point forces of a host. Formulas and tables: rope_model/boundary/point_forces.py. */
+/* Point forces of a host. Formulas: rope_model/physics/point_forces.py. */
 
 #include "point_forces.h"
 

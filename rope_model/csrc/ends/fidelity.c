@@ -1,4 +1,4 @@
-/* Choice of the model's fidelity. Formulas and tables: rope_model/fidelity/choice.py. */
+/* Choice of the model's fidelity. Formulas and tables: rope_model/fidelity/fidelity_rules.py. */
 
 #include "fidelity.h"
 

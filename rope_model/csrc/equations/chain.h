@@ -13,9 +13,9 @@
 
 enum { MAX_LANES = 8 }; /* the last group of elements may have lanes to spare */
 
-/* Operations on a chain of elements at one fidelity: `solve` is FN(solve) of rope_system.inc, called torsional_solve
-   and so on; the others are FN(...) of that file and of block_chain.inc, in the order of CHAIN in
-   rope_kernels_form.inc. */
+/* Operations on a chain of elements at one fidelity: `solve` is FN(solve) of chain_of_fidelity.inc, called
+   torsional_solve and so on; the others are FN(...) of that file and of element_sums.inc, in the order of CHAIN in
+   chains_of_form.inc. */
 typedef struct {
     /* Newton's method: correct q, v, a of `trial` until the residual is zero where free; v and a follow q by c[1] and
        c[2].  Its `reaction` holds the last known reactions on input, the residual on output.  The first tangents take
