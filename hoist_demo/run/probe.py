@@ -3,7 +3,6 @@
 import json
 import math
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import get_args
 
@@ -69,9 +68,11 @@ class Probe:
         levels = sorted(get_args(Level), key=lambda level: level != find_case(run.case).level)
         differences: list[dict[str, Value]] = []
         for level in levels:
-            with suppress(ValueError):  # the hoist's own settings do not fit this level
+            try:
                 scene = rope_scene(run.rope_values, level)
-                differences.append(_differing(starts, rope_data_of(scene).parameters))
+            except ValueError:
+                continue  # the hoist's own settings do not fit this level
+            differences.append(_differing(starts, rope_data_of(scene).parameters))
         # settings that fit no level are refused when the rope starts
         fewest = min(differences, key=len, default={})
         if not fewest:
