@@ -39,7 +39,7 @@ if (
     }
 # examples are bounded by their number: a busy machine is no failure
 settings.register_profile(
-    "seeded", deadline=None, derandomize=True, max_examples=25
+    "seeded", deadline=None, derandomize=True, max_examples=50
 )  # the same every time
 settings.load_profile("seeded")
 

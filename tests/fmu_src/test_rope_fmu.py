@@ -271,8 +271,8 @@ def test_the_library_needs_of_libc_what_the_page_lists(
     for symbol in re.findall(r"\bU (\S+)", told):
         name = re.sub(r"^__isoc\d+_|@.*", "", symbol)
         needed |= {*words.get(name, [name])}
-    # ROPE_CHECKS of tests/quick
-    assert needed - listed - {"__assert_fail"} == memory
+    # the assertion is that of ROPE_CHECKS in tests/quick: FMUs that are shipped have none
+    assert needed - listed == memory | {"__assert_fail"}
     text = "".join(
         path.read_text(encoding="utf-8") for path in (folder / "sources").glob("*.[chi]*")
     )

@@ -1,4 +1,4 @@
-"""Choice of the fidelity in plain Python, an oracle for `csrc/ends/fidelity.c`: the same rules, chosen from apart."""
+"""Choice of the fidelity in plain Python, an oracle for `csrc/ends/fidelity.c`, which takes the same formulas."""
 
 from typing import NamedTuple
 

@@ -11,6 +11,7 @@ import pytest
 from checkout import ROOT
 
 from docs.drawings.figures import FIGURES
+from rope_model.codegen.build import sources as engine_sources
 
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 DOCS = ROOT / "docs"
@@ -79,6 +80,28 @@ def test_a_source_that_a_page_names_is_there(path: Path) -> None:
         for name in named
         if not name.startswith(ELSEWHERE)
         and not any(source == name or source.endswith("/" + name) for source in source_paths())
+    ]
+    assert lost == []
+
+
+#: generated files that comments of C name, beside those of the engine
+GENERATED = ("drive_table.h", "numbers.h", "start.c", "structures.h", "variables.c")
+#: headers of the standard, whose comments name files of its earlier versions
+OFFICIAL = "fmu_src/shell/headers/"
+
+
+def test_a_source_that_a_comment_of_c_names_is_there() -> None:
+    written = (path.rpartition("/")[2] for path in source_paths())
+    names = {*written, *engine_sources(), *GENERATED}
+    lost = [
+        (source, name)
+        for source in source_paths()
+        if source.endswith((".c", ".h", ".inc")) and not source.startswith(OFFICIAL)
+        for comment in re.findall(
+            r"/\*.*?\*/", (ROOT / source).read_text(encoding="utf-8"), re.DOTALL
+        )
+        for name in re.findall(r"\b(\w+\.(?:c|h|inc|py))\b", comment)
+        if name not in names
     ]
     assert lost == []
 
