@@ -22,6 +22,7 @@ from rope_model.codegen.interface_structures import (
     LinearFactsStructure,
     MemoryStructure,
     PointForcesStructure,
+    TangentCoefficientsStructure,
 )
 from rope_model.codegen.structures import scene_structure
 from rope_model.fidelity.choice import Fidelity
@@ -108,7 +109,7 @@ def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
         "rope_repeated_steps": (c_size_t, (rope,)),
         "rope_linear_facts": (None, (rope, POINTER(LinearFactsStructure))),
         "rope_frames": (None, (rope, c_void_p)),
-        "rope_tangent": (None, (rope, POINTER(c_double), c_void_p, c_void_p)),
+        "rope_tangent": (None, (rope, POINTER(TangentCoefficientsStructure), c_void_p, c_void_p)),
         "rope_release_free_swivels": (c_int, (rope,)),
         "rope_state_bytes": (c_size_t, (rope,)),
         "rope_restore": (c_int, (rope, c_char_p, c_size_t)),
@@ -296,9 +297,9 @@ class NativeRope(BalanceRope):
             np.empty((self.elements + 1, NODE_DOF, NODE_DOF)),
             np.empty((self.elements, NODE_DOF, NODE_DOF)),
         )
-        factors = (c_double * 3)(q, v, a)
+        c = TangentCoefficientsStructure(q, v, a)
         self._lib.rope_tangent(
-            self._rope, factors, matrix.nodes.ctypes.data, matrix.next.ctypes.data
+            self._rope, byref(c), matrix.nodes.ctypes.data, matrix.next.ctypes.data
         )
         return matrix
 

@@ -10,7 +10,7 @@
 
 /* generated: MESSAGE, ROPE_WARNINGS, codes of choices, EndMotion, and Scene with its groups of parameters */
 #include "parameters.h"
-/* generated: Memory, PointForces, LinearFacts */
+/* generated: Memory, PointForces, TangentCoefficients, LinearFacts */
 #include "interface_structures.h"
 
 enum { LEFT, RIGHT };
@@ -78,10 +78,10 @@ void rope_linear_facts(Simulator *sim, LinearFacts *facts);
 /* Write frame_size numbers of each element, which its functions take: the frame's reference, then the permanent
    curvature and the history of its wires, where these act.  The state must be torsional. */
 void rope_frames(Simulator *sim, double *frames);
-/* Write the matrix c[0] dR/dq + c[1] dR/dv + c[2] dR/da of Newton's method: symmetric, without the parts that have no
+/* Write the matrix c.q dR/dq + c.v dR/dv + c.a dR/da of Newton's method: symmetric, without the parts that have no
    energy, and without contact.  `nodes` (elements + 1) are the blocks of each node, `next` (elements) those of each
    node (row) with the next one (column); held coordinates are among them. */
-void rope_tangent(Simulator *sim, const double c[3], double (*nodes)[DOF][DOF], double (*next)[DOF][DOF]);
+void rope_tangent(Simulator *sim, const TangentCoefficients *c, double (*nodes)[DOF][DOF], double (*next)[DOF][DOF]);
 /* Release the free swivels of a rope at rest, and bring it to rest again.  The others hold. */
 RopeStatus rope_release_free_swivels(Simulator *sim);
 

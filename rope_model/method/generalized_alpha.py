@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -75,16 +75,28 @@ class Coefficients:
         )
 
 
+class TangentCoefficients(NamedTuple):
+    """Coefficients of dR/dq, dR/dv and dR/da in the tangent of Newton's method: motion per correction."""
+
+    q: Scalar
+    v: Scalar
+    a: Scalar
+
+
 def recentring_time(method: Coefficients, h: Scalar, before: Scalar) -> Scalar:
     """Return the time (s) by which b moves when a step ``h`` follows one of length ``before``."""
     return method.shift * (h - before)
 
 
-def newton_coefficients(method: Coefficients, h: Scalar) -> tuple[Scalar, Scalar, Scalar]:
+def newton_coefficients(method: Coefficients, h: Scalar) -> TangentCoefficients:
     """Return the derivatives of q, v and a at the end of a step ``h`` with respect to q there."""
     m = method.alpha_m
     f = method.alpha_f
-    return 1.0, method.gamma / (method.beta * h), (1 - m) / (method.beta * h * h * (1 - f))
+    return TangentCoefficients(
+        q=1.0,
+        v=method.gamma / (method.beta * h),
+        a=(1 - m) / (method.beta * h * h * (1 - f)),
+    )
 
 
 def prediction_weights(

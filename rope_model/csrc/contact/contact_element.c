@@ -122,7 +122,7 @@ void contact_residual(const System *sys, int element, const double *q, const dou
     }
 }
 
-void contact_tangent(const System *sys, int element, const double *q, const double *v, const double c[3],
+void contact_tangent(const System *sys, int element, const double *q, const double *v, const TangentCoefficients *c,
                      double tangent[CONTACT_DOF][CONTACT_DOF]) {
     static const int upper[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
     Pressed pressed;
@@ -130,7 +130,7 @@ void contact_tangent(const System *sys, int element, const double *q, const doub
     for (int body = 0; body < sys->obstacles->bodies; body++) {
         find_pressed(sys, element, body, q, &pressed);
         for (int index = 0; index < pressed.count; index++) {
-            const ContactPoint point = contact_point_of(sys, element, body, pressed.points[index], q, v, c[0], c[1]);
+            const ContactPoint point = contact_point_of(sys, element, body, pressed.points[index], q, v, c->q, c->v);
             for (int k = 0; k < CONTACT_DOF; k++)
                 for (int n = k; n < CONTACT_DOF; n++)
                     tangent[k][n] +=

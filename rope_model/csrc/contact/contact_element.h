@@ -7,7 +7,7 @@
 
 enum { CONTACT_DOF = 12 };
 void contact_residual(const System *sys, int element, const double *q, const double *v, double R[CONTACT_DOF]);
-void contact_tangent(const System *sys, int element, const double *q, const double *v, const double c[3],
+void contact_tangent(const System *sys, int element, const double *q, const double *v, const TangentCoefficients *c,
                      double tangent[CONTACT_DOF][CONTACT_DOF]);
 /* Add to the sums. */
 void contact_sums(const System *sys, int element, const double *q, const double *v, double sums[CONTACT_BALANCE]);

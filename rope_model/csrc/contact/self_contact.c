@@ -65,8 +65,8 @@ static double nearest_place(const System *sys, const double *q, int element, con
 }
 
 /* Add a contact between a place with shape functions N and contact.xi of the other element. */
-static void add_self_contact(const System *sys, const double *q, const double *v, const double c[2], const double N[4],
-                             SelfContact contact) {
+static void add_self_contact(const System *sys, const double *q, const double *v, const TangentCoefficients *c,
+                             const double N[4], SelfContact contact) {
     SelfContactState *self_contact = sys->self_contact;
     const int other = contact.elements[1];
     double partner[4], place[2][3], speed[2][3];
@@ -80,7 +80,7 @@ static void add_self_contact(const System *sys, const double *q, const double *v
     memcpy(contact.N, N, sizeof partner);
     for (int k = 0; k < 4; k++) contact.N[4 + k] = -partner[k];
     contact.terms = self_contact_law(&self_contact->scene->shaft.contact, self_contact->scene->rope.diameter, place[0],
-                                     speed[0], c[0], c[1]);
+                                     speed[0], c->q, c->v);
     self_contact->contacts[self_contact->count++] = contact;
 }
 
@@ -107,8 +107,8 @@ static int next_strand(const System *sys, int others) {
 }
 
 /* Find the contacts of an element with its neighbours. */
-static void search_element(const System *sys, const double *q, const double *v, const double c[2], int element,
-                           int others) {
+static void search_element(const System *sys, const double *q, const double *v, const TangentCoefficients *c,
+                           int element, int others) {
     SelfContactState *self_contact = sys->self_contact;
     const double diameter = self_contact->scene->rope.diameter, l = sys->lengths[element];
     const int count = (int)rope_contact_number_of_points(l, diameter);
@@ -139,7 +139,7 @@ static void search_element(const System *sys, const double *q, const double *v, 
 
 int find_self_contacts(const System *sys, const double *q, const double *v, double c_q, double c_v) {
     SelfContactState *self_contact = sys->self_contact;
-    const double c[2] = {c_q, c_v};
+    const TangentCoefficients c = {.q = c_q, .v = c_v};
     self_contact->count = 0;
     self_contact->nearest[0] = self_contact->scene->rope.diameter;
     if (clearance_exceeds(sys, &self_contact->cache, q, self_contact->scene->rope.diameter)) return 0;
@@ -150,7 +150,7 @@ int find_self_contacts(const System *sys, const double *q, const double *v, doub
     }
     for (int e = 0; e < sys->elements; e++) {
         const int others = near_elements(sys, e);
-        if (others > 0) search_element(sys, q, v, c, e, others);
+        if (others > 0) search_element(sys, q, v, &c, e, others);
     }
     return self_contact->count;
 }

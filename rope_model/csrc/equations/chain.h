@@ -17,17 +17,17 @@ enum { MAX_LANES = 8 }; /* the last group of elements may have lanes to spare */
    torsional_solve and so on; the others are FN(...) of that file and of element_sums.inc, in the order of CHAIN in
    chains_of_form.inc. */
 typedef struct {
-    /* Newton's method: correct q, v, a of `trial` until the residual is zero where free; v and a follow q by c[1] and
-       c[2].  Its `reaction` holds the last known reactions on input, the residual on output.  The first tangents take
+    /* Newton's method: correct q, v, a of `trial` until the residual is zero where free; v and a follow q by c.v and
+       c.a.  Its `reaction` holds the last known reactions on input, the residual on output.  The first tangents take
        axial strains from q `before` unless it is NULL. */
-    Progress (*solve)(const System *, void *work, const NodalArrays *trial, const double c[3], double tolerance,
-                      const double *before, double balance[ENERGIES]);
+    Progress (*solve)(const System *, void *work, const NodalArrays *trial, const TangentCoefficients *c,
+                      double tolerance, const double *before, double balance[ENERGIES]);
     /* Solve J x = M change, with J at q, v, a, reaction of `at` and the factors that solve left in `work`. */
     void (*resolve)(const System *, void *work, const NodalArrays *at, const double *change, double *x);
     /* Solve J x = -R at q, v, a, reaction of `at`, on the free degrees of freedom; `factorized` keeps the factors of
        the latest call. */
-    void (*newton_step)(const System *, void *work, const NodalArrays *at, const double c[3], bool factorized,
-                        double *x, double *R);
+    void (*newton_step)(const System *, void *work, const NodalArrays *at, const TangentCoefficients *c,
+                        bool factorized, double *x, double *R);
     void (*evaluate)(const System *, const double *q, const double *v, const double *a, const double *reaction,
                      double *R, double balance[ENERGIES]); /* R may be NULL */
     void (*losses)(const System *, const double *q, const double *v, double powers[2]);
@@ -40,8 +40,8 @@ typedef struct {
     /* Refer the frames to q, and return the change of each element's angles (`transport` of physics.element). */
     void (*transport)(const System *, const double *q, const double *v, const double *a, double (*gained)[3]);
     /* Write the blocks of the tangent J: those of each node, and those of each node (row) with the next (column). */
-    void (*blocks)(const System *, void *work, const double *q, const double *v, const double *a, const double c[3],
-                   double (*nodes)[DOF][DOF], double (*next)[DOF][DOF]);
+    void (*blocks)(const System *, void *work, const double *q, const double *v, const double *a,
+                   const TangentCoefficients *c, double (*nodes)[DOF][DOF], double (*next)[DOF][DOF]);
     /* Write the frame of each element to the begin of its row, which has `length` numbers. */
     void (*frame_rows)(const System *, size_t length, double *rows);
 } Chain;

@@ -40,12 +40,11 @@ RopeStatus rope_displacement(Simulator *sim, const PointForces *forces, double (
     const Coefficients method = {sim->scene.solver.rho_inf};
     System sys = rope_system(sim, state);
     sys.time = forces->start;
-    double c[3];
+    const TangentCoefficients c = generalized_alpha_newton_coefficients(&method, state->last_interval);
     double *const answers[2] = {sim->trial.q, sim->x};
-    generalized_alpha_newton_coefficients(&method, state->last_interval, c);
     for (int k = 0; k < 2; k++) {
         sys.forces = k == 0 ? NULL : forces;
-        chain_of(sim, state)->newton_step(&sys, sim->work, &nodal, c, k, answers[k], sim->trial.v);
+        chain_of(sim, state)->newton_step(&sys, sim->work, &nodal, &c, k > 0, answers[k], sim->trial.v);
     }
     PointForce point = {0};
     for (int index = 0; index < forces->count; index++) {

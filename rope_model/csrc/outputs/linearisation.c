@@ -64,12 +64,12 @@ void rope_frames(Simulator *sim, double *frames) {
     if (sys.wires != NULL) copy_columns(sys.elements, sys.wires, WIRE_ELEMENT_HISTORY_SIZE, frames, begin, length);
 }
 
-void rope_tangent(Simulator *sim, const double c[3], double (*nodes)[DOF][DOF], double (*next)[DOF][DOF]) {
+void rope_tangent(Simulator *sim, const TangentCoefficients *c, double (*nodes)[DOF][DOF], double (*next)[DOF][DOF]) {
     const System sys = free_system(sim);
     const Chain *torsional = sim->chains;
     const NodalArrays nodal = state_arrays(sim->state);
     if (sim->state->fidelity != TORSIONAL) torsional->refer(&sys, nodal.q); /* which has no frames of its own */
     torsional->blocks(&sys, sim->work, nodal.q, nodal.v, nodal.a, c, nodes, next);
-    nodes[0][ANGLE][ANGLE] += c[2] * sys.inertia[LEFT];
-    nodes[sys.elements][ANGLE][ANGLE] += c[2] * sys.inertia[RIGHT];
+    nodes[0][ANGLE][ANGLE] += c->a * sys.inertia[LEFT];
+    nodes[sys.elements][ANGLE][ANGLE] += c->a * sys.inertia[RIGHT];
 }

@@ -44,10 +44,10 @@ static Progress dynamic_equilibrium(Simulator *sim, State *state, double time, d
     const NodalArrays *now = &sim->trial;
     const System sys = rope_system(sim, state);
     const size_t bytes = sizeof(double) * (size_t)nodal.nodes * DOF;
-    const double c[3] = {1, 0, pow(time, -2)};
+    const TangentCoefficients c = {.q = 1, .a = pow(time, -2)};
     double balance[ENERGIES];
     copy_fields(now, &nodal);
-    const Progress newton = chain_of(sim, state)->solve(&sys, sim->work, now, c, tolerance, NULL, balance);
+    const Progress newton = chain_of(sim, state)->solve(&sys, sim->work, now, &c, tolerance, NULL, balance);
     if (newton.status != CONVERGED) return newton;
     update_hysteresis(sim->reference.wires, state, now->q);
     update_angles(sim, state, now->q, nodal.v, nodal.a, nodal.b);

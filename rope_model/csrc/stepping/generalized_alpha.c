@@ -70,12 +70,12 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
     const size_t size = (size_t)old.nodes * DOF;
     const double time_shift = recentring(&method, h, state->h);
     const double ahead = rate_known(h, state->h) && !state->rubs ? h : 0;
-    double c[3], w[6], aux[4];
+    const TangentCoefficients c = generalized_alpha_newton_coefficients(&method, h);
+    double w[6], aux[4];
     bool finite = true;
     StepResult result = {.t = state->t + h, .h = h, .error = INFINITY};
     generalized_alpha_prediction_weights(&method, h, time_shift, ahead, w);
     generalized_alpha_auxiliary_weights(&method, time_shift, aux);
-    generalized_alpha_newton_coefficients(&method, h, c);
     predict(&old, h, ahead, w, now->q, now->v, now->a);
     rope_system_prescribed_motion(&sim->scene, state, result.t, 3, (double *[]){now->q, now->v, now->a});
     sys->time = result.t;
@@ -83,7 +83,7 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
     const Chain *chain = chain_of(sim, state);
     const Solver *solver = &sim->scene.solver;
     result.newton =
-        chain->solve(sys, sim->work, now, c,
+        chain->solve(sys, sim->work, now, &c,
                      newton_effective_tolerance(solver->newton_tolerance, solver->work_max, NEWTON_BOUNDED_STEP_ERROR),
                      old.q, result.balance);
     for (size_t i = 0; i < size; i++) finite &= isfinite(now->reaction[i]);
@@ -94,7 +94,7 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
         now->b[i] = aux[0] * old.a[i] + aux[1] * old.b[i] + aux[2] * old.a_rate[i] + aux[3] * now->a[i];
         now->a_rate[i] = (now->a[i] - old.a[i]) / h;
     }
-    const double *change = resolved_change(sim, chain, sys, c[2], old.a);
+    const double *change = resolved_change(sim, chain, sys, c.a, old.a);
     result.error = generalized_alpha_local_error(&method, h, chain_norm(sys, change, sys->shortest));
     for (int side = LEFT; side <= RIGHT; side++)
         result.strains[side] =
@@ -106,7 +106,7 @@ void generalized_alpha_restart(Simulator *sim, State *state, const System *sys) 
     const NodalArrays nodal = state_arrays(state);
     NodalArrays present = nodal;
     const size_t size = (size_t)nodal.nodes * DOF;
-    const double c[3] = {0, 0, 1};
+    const TangentCoefficients c = {.a = 1};
     double unused[ENERGIES];
     double *reaction = sim->trial.reaction;
     present.reaction = reaction;
@@ -114,7 +114,7 @@ void generalized_alpha_restart(Simulator *sim, State *state, const System *sys) 
     rope_system_prescribed_motion(&sim->scene, state, state->t, 3, (double *[]){nodal.q, nodal.v, nodal.a});
     for (int again = 0; again < 2; again++) { /* friction of the second pass uses the reactions of the first */
         memcpy(reaction, nodal.reaction, sizeof(double) * size);
-        chain_of(sim, state)->newton_step(sys, sim->work, &present, c, again, sim->x, nodal.reaction);
+        chain_of(sim, state)->newton_step(sys, sim->work, &present, &c, again, sim->x, nodal.reaction);
         for (size_t i = 0; i < size; i++) nodal.a[i] += sim->x[i];
     }
     memcpy(reaction, nodal.reaction, sizeof(double) * size);

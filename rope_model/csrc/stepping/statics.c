@@ -118,8 +118,8 @@ RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char 
     for (k = 0; k < MAX_ITERATIONS && tau >= STATICS_SHORTEST_TIME; k++) {
         sim->corrections++;
         const int64_t solutions = sim->self_contact->solutions;
-        const double c[3] = {1, 0, pow(tau, -2)};
-        chain->newton_step(&sys, sim->work, &rest, c, 0, x, now);
+        const TangentCoefficients c = {.q = 1, .a = pow(tau, -2)};
+        chain->newton_step(&sys, sim->work, &rest, &c, false, x, now);
         correction.force = imbalance(&sys, now);
         sim->solutions += sim->self_contact->solutions - solutions;
         if (sim->solutions > MAX_SOLUTIONS) return say_winds_about_itself(message, correction.force, MAX_SOLUTIONS);
