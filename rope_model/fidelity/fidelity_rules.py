@@ -14,6 +14,7 @@ from rope_model.messages import fidelity_messages
 from rope_model.messages.rules import Rules
 from rope_model.parameters import AT_START, Scene
 from rope_model.physics import estimates
+from rope_model.physics.air import air_acts
 from rope_model.physics.elementary import Scalar, logical_and, logical_or, maximum, where
 from rope_model.physics.estimates import Travel
 from rope_model.physics.guard import any_threshold
@@ -146,6 +147,10 @@ def _error_within_tolerance(
     return fidelity != "torsional", fidelity, 100 * error, 100 * tolerance, *travel[1:]
 
 
+def _air_acts(scene: Scene) -> Scalar:
+    return air_acts(scene.shaft.air, scene.rope.diameter) > 0
+
+
 #: reasons why a rope carries torque
 TORQUE: Rules = {fidelity_messages.coupled: _coupled, fidelity_messages.twisted: _twisted}
 #: reasons for the complete model wherever the ends are; ``forces`` is the number of points with
@@ -156,7 +161,7 @@ COMPLETE: Rules = {
         scene.shaft.contact.rope_stiffness > 0,
     ),
     fidelity_messages.guards_watch: lambda scene, forces: (any_threshold(scene.shaft.guard) > 0,),
-    fidelity_messages.in_air: lambda scene, forces: (scene.shaft.air.density > 0,),
+    fidelity_messages.in_air: lambda scene, forces: (_air_acts(scene),),
     fidelity_messages.is_curved: lambda scene, forces: _curved(scene),
     fidelity_messages.not_plumb: lambda scene, forces: (not_plumb(scene),),
     fidelity_messages.is_pushed: lambda scene, forces: (forces > 0,),

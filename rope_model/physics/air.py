@@ -99,7 +99,11 @@ def air_coefficients(air: Air, diameter: Scalar, spacing: Scalar) -> AirCoeffici
 
 
 def air_acts(air: Air, diameter: Scalar) -> Scalar:
-    """Return whether a law of this module acts, else no element is computed in air.  Each law has its condition."""
+    """Return whether a law of this module acts: 1 or 0.  Each law has its condition.
+
+    If none does, no element is computed in air, no model is needed for it, and the reference rope
+    may have such parameters.
+    """
     return where(drag_factor(air, diameter) > 0, 1.0, 0.0)
 
 

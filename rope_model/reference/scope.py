@@ -1,6 +1,7 @@
 """Scope of the reference rope: the published system, and nothing else of a scene."""
 
 from rope_model.parameters import Scene
+from rope_model.physics.air import air_acts
 from rope_model.physics.initial_curvature import CURVATURES
 from rope_model.scene_names import choices_of, named_parameters
 
@@ -19,7 +20,6 @@ PUBLISHED: dict[str, tuple[float, ...]] = {
     "guard.clearance": (0,),
     "guard.turns": (0,),
     "guard.torque": (0,),
-    "air.density": (0,),
 }
 #: values with which there are no bodies to be touched; they matter if the stiffness of contact is
 #: above 0
@@ -35,6 +35,13 @@ NO_BODIES: dict[str, tuple[float, ...]] = {
     "sump.level": (-1e6,),
 }
 
+#: values of a scene without air; they matter if the air acts
+NO_AIR: dict[str, tuple[float, ...]] = {
+    parameter.name: (parameter.value,)
+    for parameter in named_parameters(Scene())
+    if parameter.name.startswith("air.")
+}
+
 
 def require_published(scene: Scene) -> None:
     """Raise ValueError if the scene holds more than the published system."""
@@ -48,6 +55,8 @@ def unpublished(scene: Scene) -> str | None:
     allowed = dict(PUBLISHED)
     if scene.shaft.contact.stiffness > 0:
         allowed |= NO_BODIES
+    if air_acts(scene.shaft.air, scene.rope.diameter):
+        allowed |= NO_AIR
     for parameter in named_parameters(scene):
         values = allowed.get(parameter.name, (parameter.value,))
         if parameter.value not in values:

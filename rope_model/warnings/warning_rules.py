@@ -12,6 +12,7 @@ from rope_model.method.mesh_error import length_for, mesh_error, turned_by_mesh
 from rope_model.method.mesh_fit import MAX_LENGTH, NATURAL_RADIUS
 from rope_model.method.mesh_pattern import fine_share
 from rope_model.parameters import Scene
+from rope_model.physics.air import air_acts
 from rope_model.physics.elementary import Scalar, floor, logical_and, logical_or, minimum, where
 from rope_model.physics.estimates import (
     bending_length,
@@ -49,7 +50,9 @@ def rests(scene: Scene, state: RopeState) -> Scalar:
 def leaves_out(scene: Scene, state: RopeState) -> Scalar:
     """Return whether the rope moves in a way that its fidelity leaves out."""
     blown = logical_and(
-        state.fidelity == "planar", scene.shaft.air.density > 0, abs(scene.shaft.air.vz) > 0
+        state.fidelity == "planar",
+        air_acts(scene.shaft.air, scene.rope.diameter) > 0,
+        abs(scene.shaft.air.vz) > 0,
     )
     return logical_or(state.fidelity == "rigid", carries_torque(scene), blown)
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from air_scenes import STEP, ends, scene
+from air_scenes import LENGTH, STEP, ends, scene
 from checkout import ROOT
 from numpy.testing import assert_allclose, assert_array_equal
 from scenes import followed, hung, wound
@@ -29,10 +29,11 @@ from rope_model import (
     balance_rope,
 )
 from rope_model.parameters import Layout, Rope, Scene
-from rope_model.physics.air import AirCoefficients, air_coefficients
+from rope_model.physics.air import AirCoefficients, air_acts, air_coefficients
 from rope_model.physics.air_element import AIR_BALANCE, air_functions
 from rope_model.physics.element import ELEMENT_DOF, ElementFidelity
 from rope_model.physics.node import NODE_DOF
+from rope_model.reference.scope import unpublished
 from rope_model.shaft_parameters import Air, Shaft, Sump
 
 LAW = air_coefficients(Air(density=1.2, drag=1.1, vx=1.0, vy=2.0, vz=-3.0), 0.044, 2.0)
@@ -335,6 +336,22 @@ def test_a_rope_that_chooses_its_model_takes_the_one_that_feels_forces() -> None
     assert hung(rope).fidelity_reason == "forces are applied to places of the rope"
 
 
+@pytest.mark.parametrize("inert", [{"density": 1.2, "drag": 0.0}, {"density": 0.0, "drag": 1.2}])
+def test_air_without_density_or_drag_acts_nowhere(inert: dict[str, float]) -> None:
+    """Neither on the motion, nor on the choice of the model, nor on what the reference rope knows."""
+    blown = Air(vx=3.0, vy=-1.0, vz=2.0, buffet=1.0, **inert)
+    assert air_acts(blown, Rope().diameter) == 0
+    assert air_acts(replace(blown, density=1.2, drag=1.2), Rope().diameter) == 1
+    short = Scene(
+        Rope(length=LENGTH, Qb=0.0, Qc=0.0), mesh=Mesh("eem", elements=10), model=Model("auto", 1.0)
+    )
+    in_wind = short.with_(shaft=Shaft(air=blown))
+    ropes = [wound(balance_rope(scene), ends, 10, STEP) for scene in (short, in_wind)]
+    assert ropes[0].fidelity == ropes[1].fidelity == "planar"
+    assert_array_equal(*(rope.state.motion.q for rope in ropes))
+    assert unpublished(in_wind.with_(model=Model())) is None
+
+
 #: a law of the air that acts without drag, a force per length along X, as docs/extending.md adds it
 SECOND_LAW = {
     "shaft_parameters.py": (
@@ -363,14 +380,16 @@ SECOND_LAW = {
         ),
     ),
 }
-#: prints the forces along X of a rope of 10 m at rest without drag under 3 N/m, and its warnings in
-#: motion
+#: prints the forces along X of a rope of 10 m at rest without drag under 3 N/m, why it takes the
+#: complete model, why it is no reference rope, and its warnings in motion
 PUSHED = """
 import json
 from rope_model import EndMotion, Mesh, Rope, Scene, Shaft, balance_rope
+from rope_model.reference.scope import unpublished
 from rope_model.shaft_parameters import Air
-air = Air(density=1.2, drag=0.0, push=3.0)
-rope = balance_rope(Scene(Rope(length=10.0), mesh=Mesh("eem", elements=10), shaft=Shaft(air=air)))
+air = Air(push=3.0)
+scene = Scene(Rope(length=10.0), mesh=Mesh("eem", elements=10), shaft=Shaft(air=air))
+rope = balance_rope(scene)
 status = rope.initialize(0.0, EndMotion(), EndMotion())
 assert status.valid, status.message
 forces = [*rope.signals(["left.fx", "right.fx"]).values()]
@@ -379,7 +398,8 @@ for k in range(1, 21):
     up = EndMotion(y=t**3, vy=3 * t**2, ay=6 * t)
     status = rope.advance_to(t, EndMotion(), up)
     assert status.valid, status.message
-print(json.dumps({"forces": forces, "warnings": rope.warnings()}))
+reasons = [rope.fidelity_reason, unpublished(scene)]
+print(json.dumps({"forces": forces, "reasons": reasons, "warnings": rope.warnings()}))
 """
 
 
@@ -408,3 +428,6 @@ def test_an_engine_with_a_second_law_of_the_air_feels_it_without_drag(tmp_path: 
     # the sum along the rope, whatever its shape; the statics balance to rounding of its stiffness
     assert_allclose(sum(found["forces"]), 3.0 * 10.0, rtol=1e-6)
     assert "missing_loads" not in found["warnings"]
+    of_model, of_reference = found["reasons"]
+    assert of_model == "the air may carry the rope along"
+    assert of_reference.startswith("air.push = 3 must be 0 for the reference rope")

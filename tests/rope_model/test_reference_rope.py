@@ -50,7 +50,7 @@ from rope_model.reference.outputs import NAMES, lowest_point
 from rope_model.reference.passages import loop_turns
 from rope_model.reference.result_warnings import COMPUTED, IMPOSSIBLE, NOT_COMPUTED
 from rope_model.reference.rope import ReferenceRope
-from rope_model.reference.scope import NO_BODIES, PUBLISHED
+from rope_model.reference.scope import NO_AIR, NO_BODIES, PUBLISHED
 from rope_model.reference.transfer import transferred
 from rope_model.scene_names import named_parameters
 from rope_model.signals.signal_table import SIGNALS
@@ -747,11 +747,10 @@ IDLE = (
     *named("contact", "damping", "friction", "slip_speed"),
     *named("guard", "rise_delay", "rise_y", "window_delay", "window_y", "clearance_delay"),
     *named("guard", "turns_delay", "torque_delay"),
-    *named("air", "drag", "vx", "vy", "vz", "cross_y", "cross_height", "buffet", "buffet_length"),
 )
 
 
 def test_every_parameter_is_used_or_refused_or_idle() -> None:
     """A new parameter would be passed over in silence otherwise: refuse it in scope.py, or list it here."""
     names = [parameter.name for parameter in named_parameters(Scene())]
-    assert sorted((*USED, *IDLE, *PUBLISHED, *NO_BODIES)) == sorted(names)
+    assert sorted((*USED, *IDLE, *PUBLISHED, *NO_BODIES, *NO_AIR)) == sorted(names)
