@@ -13,7 +13,8 @@
 #define TOLERANCE_DIGITS 1e-5 /* relative, to which a model description writes its tolerance */
 #define MIN_STEP 1e-9 /* s; shorter steps, which rounding of the host's times leaves, do not advance the model */
 
-size_t array_bytes(void) {
+/* Return the bytes of one array of Scalars. */
+static size_t array_bytes(void) {
     return MODEL_SCALARS * sizeof(double);
 }
 
@@ -88,10 +89,16 @@ bool component_categories(Component *c, size_t count, const char *const names[],
     return true;
 }
 
-void component_fail(Component *c) {
-    c->mode = FAILED;
+/* Keep the last error as the reason why there are no results; return false. */
+static bool keep_reason(Component *c) {
     c->valid = false;
     memcpy(c->status, c->message, sizeof c->status);
+    return false;
+}
+
+bool component_fail(Component *c) {
+    c->mode = FAILED;
+    return keep_reason(c);
 }
 
 bool component_check_mode(Component *c, const char *function, int modes) {
@@ -115,7 +122,8 @@ bool component_setup(Component *c, double start, bool stop_defined, double stop)
     if (stop_defined && !(stop >= start))
         return component_error(c, "the stop time %s s is not at or after the start time %s s; give a later one",
                                SHORT(stop), SHORT(start));
-    c->start = c->time = start;
+    c->start = start;
+    c->time = start;
     c->stop = stop_defined ? stop : INFINITY;
     return true;
 }
@@ -187,9 +195,7 @@ static bool set_up(Component *c) {
         warn(c);
         return true;
     }
-    c->valid = false;
-    memcpy(c->status, c->message, sizeof c->status);
-    return false;
+    return keep_reason(c);
 }
 
 bool component_provide_model(Component *c) {
@@ -260,10 +266,7 @@ bool component_step(Component *c, double t, double h, bool to_event) {
     int event = c->at_event;
     double reached;
     c->at_event = false;
-    if (!step(c, t, h, to_event ? &event : NULL, &reached)) {
-        component_fail(c);
-        return false;
-    }
+    if (!step(c, t, h, to_event ? &event : NULL, &reached)) return component_fail(c);
     c->at_event = to_event && event;
     c->last_step = reached - c->time;
     c->time = reached;

@@ -26,8 +26,8 @@ Component *component_create(const Allocator *allocator, ComponentLog log, void *
 void component_destroy(Component *c);
 /* Log an error, written as by write_message, keep it for component_fail, and return false. */
 bool component_error(Component *c, const char *format, ...);
-/* Enter FAILED after a refusal, with its reason in status.message. */
-void component_fail(Component *c);
+/* Enter FAILED after a refusal, with its reason in status.message; return false. */
+bool component_fail(Component *c);
 
 bool component_nonnull(Component *c, const void *pointer); /* Refuse NULL. */
 /* Check names of log categories; *all is true if they select all, also for an empty list. */

@@ -42,8 +42,6 @@ struct Component {
     double numbers[];
 };
 
-/* Return the bytes of one array of Scalars. */
-size_t array_bytes(void);
 /* Return the bytes of all arrays of Scalars. */
 size_t scalars_bytes(void);
 /* Provide the model.  During initialisation it is set up anew after each change of an entry. */

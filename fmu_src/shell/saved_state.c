@@ -175,8 +175,7 @@ bool component_restore(Component *c, const void *from, size_t bytes) {
             char other[MESSAGE_BYTES];
             if (fits && !model_retune(model, c->scalars.used, other)) {
                 component_error(c, "setFMUstate: %s; the present parameters cannot be restored: %s", reason, other);
-                component_fail(c);
-                return false;
+                return component_fail(c);
             }
             if (!fits) model_destroy(model);
             return component_error(c, "setFMUstate: %s", reason);

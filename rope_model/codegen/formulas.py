@@ -230,6 +230,7 @@ STRUCTURES: tuple[type[Any], ...] = (
     events.Bracket,
     mesh_fit.FittedMesh,
     generalized_alpha.Coefficients,
+    newton.NewtonLimits,
     step_control.StepLimits,
     step_errors.MeasuredStep,
     step_control.AcceptedStep,

@@ -14,6 +14,7 @@
 #include "interface_structures.h"
 
 enum { LEFT, RIGHT };
+enum { UP = 1 };                        /* index of the vertical component of a vector */
 enum { SLOPE = 3, ANGLE = 6, DOF = 7 }; /* degrees of freedom of a node: r (3), r' (3), theta */
 enum { ROPE_ROW = 1 + 2 * ANGLE };      /* numbers of a row of rope_rows */
 

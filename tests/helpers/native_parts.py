@@ -94,13 +94,10 @@ int self_contact_of(const Scene *scene, int elements, const double *lengths, con
     for (int e = 0; e < elements; e++) length += lengths[e];
     const size_t places = (size_t)rope_contact_max_points(length, elements, scene->rope.diameter);
     SelfContactState state = {.scene = scene, .presses = 1};
-    double *numbers = calloc(size + 4 * n, sizeof *numbers);
+    double *numbers = calloc(size + n, sizeof *numbers);
     state.cache = (ClearanceCache){.q = numbers, .lengths = numbers + size};
-    state.arc_gaps = numbers + size + n;
-    state.distances = state.arc_gaps + n;
-    state.xi = state.distances + n;
-    state.boxes = calloc(n, sizeof *state.boxes);
-    state.others = calloc(n, sizeof *state.others);
+    state.work.boxes = calloc(n, sizeof *state.work.boxes);
+    state.work.neighbours = calloc(n, sizeof *state.work.neighbours);
     state.contacts = calloc(ROPE_CONTACT_MAX_STRANDS * places, sizeof *state.contacts);
     const System system = {.elements = elements, .lengths = lengths, .self_contact = &state};
     const int count = find_self_contacts(&system, q, v, c_q, c_v);
@@ -108,8 +105,8 @@ int self_contact_of(const Scene *scene, int elements, const double *lengths, con
     self_contact_times(&state, x, y);
     self_contact_sums(&system, q, v, sums);
     free(state.contacts);
-    free(state.others);
-    free(state.boxes);
+    free(state.work.neighbours);
+    free(state.work.boxes);
     free(numbers);
     return count;
 }

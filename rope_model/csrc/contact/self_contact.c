@@ -31,16 +31,16 @@ static double gap_of(const double a[6], const double b[6]) {
 /* Find the elements to the right that may touch this one, and update cache.free; return their number. */
 static int near_elements(const System *sys, int element) {
     SelfContactState *self_contact = sys->self_contact;
+    double (*boxes)[6] = self_contact->work.boxes;
     const double diameter = self_contact->scene->rope.diameter;
     double along = 0;
     int count = 0;
     for (int e = element + 1; e < sys->elements; along += sys->lengths[e++]) {
         if (along < ROPE_CONTACT_MIN_ARC * diameter) continue;
-        const double gap = gap_of(self_contact->boxes[element], self_contact->boxes[e]);
+        const double gap = gap_of(boxes[element], boxes[e]);
         self_contact->cache.free = minimum(self_contact->cache.free, gap);
         if (!(gap < diameter)) continue;
-        self_contact->others[count] = e;
-        self_contact->arc_gaps[count++] = along;
+        self_contact->work.neighbours[count++] = (Neighbour){.element = e, .arc_gap = along};
     }
     return count;
 }
@@ -84,33 +84,36 @@ static void add_self_contact(const System *sys, const double *q, const double *v
     self_contact->contacts[self_contact->count++] = contact;
 }
 
-/* Return the arc length from the present element to the nearest place of neighbour n. */
-static double arc_gap(const System *sys, int n) {
-    return sys->self_contact->arc_gaps[n] + sys->self_contact->xi[n] * sys->lengths[sys->self_contact->others[n]];
+/* Return the arc length from the present element to the nearest place of a neighbour. */
+static double arc_gap(const System *sys, const Neighbour *neighbour) {
+    return neighbour->arc_gap + neighbour->xi * sys->lengths[neighbour->element];
 }
 
-/* Return the nearest neighbour if it touches, else -1.  Excludes its strand from later calls. */
-static int next_strand(const System *sys, int others) {
-    SelfContactState *self_contact = sys->self_contact;
-    const double diameter = self_contact->scene->rope.diameter;
+/* Return the nearest neighbour if it touches, else NULL.  Excludes its strand from later calls. */
+static const Neighbour *next_strand(const System *sys, int count) {
+    Neighbour *neighbours = sys->self_contact->work.neighbours;
+    const double diameter = sys->self_contact->scene->rope.diameter;
+    const Neighbour *nearest = NULL;
     double least = diameter;
-    int nearest = -1;
-    for (int n = 0; n < others; n++) {
-        if (self_contact->distances[n] < least) nearest = n;
-        least = minimum(least, self_contact->distances[n]);
+    for (int n = 0; n < count; n++) {
+        if (neighbours[n].distance < least) nearest = &neighbours[n];
+        least = minimum(least, neighbours[n].distance);
     }
-    if (nearest < 0) return -1;
-    for (int n = 0; n < others; n++)
-        if (fabs(arc_gap(sys, n) - arc_gap(sys, nearest)) < ROPE_CONTACT_MIN_ARC * diameter)
-            self_contact->distances[n] = INFINITY;
+    if (nearest == NULL) return NULL;
+    const double nearest_gap = arc_gap(sys, nearest);
+    for (int n = 0; n < count; n++)
+        if (fabs(arc_gap(sys, &neighbours[n]) - nearest_gap) < ROPE_CONTACT_MIN_ARC * diameter)
+            neighbours[n].distance = INFINITY;
     return nearest;
 }
 
 /* Find the contacts of an element with its neighbours. */
 static void search_element(const System *sys, const double *q, const double *v, const TangentCoefficients *c,
-                           int element, int others) {
+                           int element, int neighbour_count) {
     SelfContactState *self_contact = sys->self_contact;
-    const double diameter = self_contact->scene->rope.diameter, l = sys->lengths[element];
+    Neighbour *neighbours = self_contact->work.neighbours;
+    const double diameter = self_contact->scene->rope.diameter;
+    const double l = sys->lengths[element];
     const int count = (int)rope_contact_number_of_points(l, diameter);
     const double weight = l / count;
     for (int k = 0; k < count;) {
@@ -118,18 +121,19 @@ static void search_element(const System *sys, const double *q, const double *v, 
         double N[4], point[3], least = INFINITY;
         hermite_shape_functions((k + 0.5) / count, l, N);
         at_places(q, element, N, point);
-        for (int n = 0; n < others; n++) {
-            self_contact->distances[n] = nearest_place(sys, q, self_contact->others[n], point, self_contact->xi + n);
-            least = minimum(least, self_contact->distances[n]);
+        for (int n = 0; n < neighbour_count; n++) {
+            Neighbour *neighbour = &neighbours[n];
+            neighbour->distance = nearest_place(sys, q, neighbour->element, point, &neighbour->xi);
+            least = minimum(least, neighbour->distance);
         }
-        if (least < self_contact->nearest[0]) self_contact->nearest[1] = point[1];
-        self_contact->nearest[0] = minimum(self_contact->nearest[0], least);
+        if (least < self_contact->least_distance) self_contact->least_y = point[UP];
+        self_contact->least_distance = minimum(self_contact->least_distance, least);
         const int strands = self_contact->presses && least < diameter ? ROPE_CONTACT_MAX_STRANDS : 0;
         for (int strand = 0; strand < strands; strand++) {
-            const int n = next_strand(sys, others);
-            if (n < 0) break;
-            contact.elements[1] = self_contact->others[n];
-            contact.xi = self_contact->xi[n];
+            const Neighbour *nearest = next_strand(sys, neighbour_count);
+            if (nearest == NULL) break;
+            contact.elements[1] = nearest->element;
+            contact.xi = nearest->xi;
             add_self_contact(sys, q, v, c, N, contact);
         }
         /* Skip places farther than a diameter.  A distance that is not a number ends the search. */
@@ -141,16 +145,16 @@ int find_self_contacts(const System *sys, const double *q, const double *v, doub
     SelfContactState *self_contact = sys->self_contact;
     const TangentCoefficients c = {.q = c_q, .v = c_v};
     self_contact->count = 0;
-    self_contact->nearest[0] = self_contact->scene->rope.diameter;
+    self_contact->least_distance = self_contact->scene->rope.diameter;
     if (clearance_exceeds(sys, &self_contact->cache, q, self_contact->scene->rope.diameter)) return 0;
     remember_configuration(sys, &self_contact->cache, q);
     for (int e = 0; e < sys->elements; e++) {
         const double *a = q + (size_t)e * DOF;
-        centreline_enclosing_box(sys->lengths[e], a, a + DOF, self_contact->boxes[e]);
+        centreline_enclosing_box(sys->lengths[e], a, a + DOF, self_contact->work.boxes[e]);
     }
     for (int e = 0; e < sys->elements; e++) {
-        const int others = near_elements(sys, e);
-        if (others > 0) search_element(sys, q, v, &c, e, others);
+        const int neighbour_count = near_elements(sys, e);
+        if (neighbour_count > 0) search_element(sys, q, v, &c, e, neighbour_count);
     }
     return self_contact->count;
 }

@@ -20,23 +20,34 @@ typedef struct {
     ContactTerms terms;
 } SelfContact;
 
-/* Contact of the rope with itself: result and buffers of find_self_contacts. */
+/* An element near the present one. */
+typedef struct {
+    int element;
+    double arc_gap;  /* arc length from the end of the present element to its start, m */
+    double distance; /* from the present place, m; infinite where its strand has been taken */
+    double xi;       /* element coordinate of its nearest place */
+} Neighbour;
+
+/* Scratch of find_self_contacts, and of the solution of equations with contacts. */
+typedef struct {
+    double (*boxes)[6];    /* bounding box of each element */
+    Neighbour *neighbours; /* of the present element */
+    double *cg;            /* CG_ARRAYS arrays of the size of q, for conjugate gradients */
+} SelfContactWork;
+enum { CG_ARRAYS = 4 };
+
+/* Contact of the rope with itself: result of find_self_contacts, and its memory. */
 typedef struct SelfContactState {
     const Scene *scene;
     bool presses; /* true if contacts act; otherwise there is no memory for them */
     int count;    /* number of contacts */
     SelfContact *contacts;
-    double nearest[2];  /* least distance of centre lines that touch, and its height, m */
-    double (*boxes)[6]; /* bounding box of each element */
-    int *others;        /* elements near the present one */
-    double *arc_gaps;   /* arc length from the end of the present element to each of them, m */
-    double *distances;  /* distance of each of them from the present place, m */
-    double *xi;         /* element coordinate of the nearest place in each of them */
-    double *scratch;    /* CG_ARRAYS arrays of the size of q, for conjugate gradients */
+    double least_distance; /* of centre lines that touch, m; the diameter if none do */
+    double least_y;        /* height of that place, m */
     ClearanceCache cache;
+    SelfContactWork work;
     int64_t solutions; /* of the chain's equations by conjugate gradients so far */
 } SelfContactState;
-enum { CG_ARRAYS = 4 };
 
 /* Find contacts of the rope with itself, with tangents along (c_q, c_v) of q and v; return their number. */
 int find_self_contacts(const System *sys, const double *q, const double *v, double c_q, double c_v);

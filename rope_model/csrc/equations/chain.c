@@ -8,6 +8,7 @@
 
 #include "formulas.h"
 #include "lanes.h"
+#include "obstacles.h"
 #include "processor.h"
 #include "rope.h"
 #include "state.h"
@@ -33,6 +34,14 @@ const Chain *fastest_chains(void) {
     if (lanes > 2) return lanes == 8 ? chains_widest : chains_wide;
 #endif
     return chains_plain;
+}
+
+double assumed_newton_error(const System *sys, double tolerance, bool predicted) {
+    if (sys->wires != NULL) return NEWTON_HUGE; /* kinks: no correction is the last without another */
+    const bool touches = sys->obstacles != NULL && sys->obstacles->any;
+    /* The tangent omits that friction of a swivel depends on the reaction. */
+    const bool complete = sys->friction_load[LEFT] == 0 && sys->friction_load[RIGHT] == 0;
+    return predicted && tolerance <= NEWTON_SMALL && !touches && complete ? NEWTON_GOOD : NEWTON_UNKNOWN;
 }
 
 /* Update the largest size and the sum of each degree of freedom with a row of x. */

@@ -11,6 +11,8 @@
 #include "state_structures.h"
 #include "system.h"
 
+/* change of an element's angles with its frame: theta from node to node, theta_t and theta_tt at the right node */
+enum { THETA, THETA_T, THETA_TT, ROTATIONS };
 enum { MAX_LANES = 8 }; /* the last group of elements may have lanes to spare */
 
 /* Operations on a chain of elements at one fidelity: `solve` is FN(solve) of chain_of_fidelity.inc, called
@@ -38,7 +40,7 @@ typedef struct {
     /* Refer the system's frames to q. */
     void (*refer)(const System *, const double *q);
     /* Refer the frames to q, and return the change of each element's angles (`transport` of physics.element). */
-    void (*transport)(const System *, const double *q, const double *v, const double *a, double (*gained)[3]);
+    void (*transport)(const System *, const double *q, const double *v, const double *a, double (*gained)[ROTATIONS]);
     /* Write the blocks of the tangent J: those of each node, and those of each node (row) with the next (column). */
     void (*blocks)(const System *, void *work, const double *q, const double *v, const double *a,
                    const TangentCoefficients *c, double (*nodes)[DOF][DOF], double (*next)[DOF][DOF]);
@@ -49,6 +51,9 @@ typedef struct {
 /* Return the largest entry of x (nodes x DOF) where the rope is free, with r' times `slopes`; infinite if one is not
    finite. */
 double chain_norm(const System *sys, const double *x, double slopes);
+/* Return the error that Newton's method assumes after its first correction, over that correction; `predicted` is true
+   if the correction takes axial strains from the start of the step. */
+double assumed_newton_error(const System *sys, double tolerance, bool predicted);
 /* Bytes of `work` for a chain of any fidelity, aligned to 64 bytes. */
 size_t chain_work_bytes(int elements);
 size_t chain_frames_bytes(int elements);

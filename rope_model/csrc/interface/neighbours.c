@@ -41,10 +41,10 @@ RopeStatus rope_displacement(Simulator *sim, const PointForces *forces, double (
     System sys = rope_system(sim, state);
     sys.time = forces->start;
     const TangentCoefficients c = generalized_alpha_newton_coefficients(&method, state->last_interval);
-    double *const answers[2] = {sim->trial.q, sim->x};
+    double *const answers[2] = {sim->work.trial.q, sim->work.x};
     for (int k = 0; k < 2; k++) {
         sys.forces = k == 0 ? NULL : forces;
-        chain_of(sim, state)->newton_step(&sys, sim->work, &nodal, &c, k > 0, answers[k], sim->trial.v);
+        chain_of(sim, state)->newton_step(&sys, sim->work.chain, &nodal, &c, k > 0, answers[k], sim->work.trial.v);
     }
     PointForce point = {0};
     for (int index = 0; index < forces->count; index++) {

@@ -122,7 +122,7 @@ bool state_plausible(const Simulator *sim, State *state) {
             !path_plausible(&state->paths[side], state->t))
             return false;
     }
-    return partition_plausible(&sim->scene, &sim->mesh, state, &nodal, &sim->trial) && happenings_plausible(state);
+    return partition_plausible(&sim->scene, &sim->mesh, state, &nodal, &sim->work.trial) && happenings_plausible(state);
 }
 
 bool host_step_plausible(const HostStep *host, const State *start, const State *state) {

@@ -125,14 +125,14 @@ void shaft_clearances(const Scene *scene, const NodalArrays *nodal, double t, Ne
 /* Update the largest penetration of the rope into itself. */
 static void update_overlap(SelfContactState *self_contact, double diameter, State *state) {
     const NodalArrays nodal = state_arrays(state);
-    const double *nearest = self_contact->nearest;
     Crossing *crossing = &state->crossing;
     const System sys = {.elements = nodal.elements, .lengths = nodal.lengths, .self_contact = self_contact};
     find_self_contacts(&sys, nodal.q, nodal.v, 0, 0);
-    if (!(diameter - nearest[0] > crossing->overlap)) return;
+    const double overlap = diameter - self_contact->least_distance;
+    if (!(overlap > crossing->overlap)) return;
     if (crossing->overlap == 0) crossing->touched_at = state->t;
-    crossing->overlap = diameter - nearest[0];
-    crossing->touched_y = nearest[1];
+    crossing->overlap = overlap;
+    crossing->touched_y = self_contact->least_y;
 }
 
 void update_passages(const Scene *scene, SelfContactState *self_contact, State *state) {

@@ -16,11 +16,18 @@
 
 Progress newton_judge(Progress before, double norm, double tolerance, bool fresh, const NewtonLimits *limits) {
     const double contraction = before.norm > 0 ? norm / before.norm : 0;
-    const bool first = before.iterations < 1, sure = !first && contraction < limits->unsure;
+    const bool first = before.iterations < 1;
+    const bool sure = !first && contraction < limits->unsure;
     const double guess = first ? before.contraction * norm : norm;
     Progress after = {
-        TOO_MANY,    before.iterations + 1, true, norm, sure ? contraction / (1 - contraction) * norm : guess,
-        contraction, before.sum + norm};
+        .status = TOO_MANY,
+        .iterations = before.iterations + 1,
+        .applies = true,
+        .norm = norm,
+        .error = sure ? contraction / (1 - contraction) * norm : guess,
+        .contraction = contraction,
+        .sum = before.sum + norm,
+    };
     if (!(norm < NEWTON_HUGE)) {
         after.status = NOT_FINITE;
         after.error = INFINITY;
@@ -28,7 +35,8 @@ Progress newton_judge(Progress before, double norm, double tolerance, bool fresh
         after.applies = false;
         after.norm = before.norm;
         after.sum = before.sum;
-        after.error = after.contraction = INFINITY;
+        after.error = INFINITY;
+        after.contraction = INFINITY;
     } else if (!first && contraction >= limits->growing) {
         after.status = DIVERGED;
     } else if (after.error <= tolerance) {

@@ -4,6 +4,8 @@
 
 #include <stdbool.h>
 
+#include "formulas.h"
+
 typedef struct {
     int status;         /* a NewtonStatus, as CONVERGED */
     int iterations;     /* corrections so far */
@@ -13,10 +15,6 @@ typedef struct {
     double contraction; /* ratio of the latest norms; before the first correction the share of it assumed to remain */
     double sum;         /* sum of the norms of corrections that applied */
 } Progress;
-
-typedef struct {
-    double rounds, per_round, slow, unsure, growing;
-} NewtonLimits;
 
 /* Judge a correction of this norm; `fresh` is true if its factorization is new. */
 Progress newton_judge(Progress before, double norm, double tolerance, bool fresh, const NewtonLimits *limits);

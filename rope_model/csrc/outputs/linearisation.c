@@ -69,7 +69,7 @@ void rope_tangent(Simulator *sim, const TangentCoefficients *c, double (*nodes)[
     const Chain *torsional = sim->chains;
     const NodalArrays nodal = state_arrays(sim->state);
     if (sim->state->fidelity != TORSIONAL) torsional->refer(&sys, nodal.q); /* which has no frames of its own */
-    torsional->blocks(&sys, sim->work, nodal.q, nodal.v, nodal.a, c, nodes, next);
+    torsional->blocks(&sys, sim->work.chain, nodal.q, nodal.v, nodal.a, c, nodes, next);
     nodes[0][ANGLE][ANGLE] += c->a * sys.inertia[LEFT];
     nodes[sys.elements][ANGLE][ANGLE] += c->a * sys.inertia[RIGHT];
 }

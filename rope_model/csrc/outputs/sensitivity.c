@@ -29,7 +29,7 @@
 #include "switching.h"
 
 /* VECTORS: members of EndMotion before the yaw, three of each order */
-enum { UP = 1, VECTORS = 9, ANGLE_PATH = 3, AXES = 4, PATHS = 6, POWERS = 6, LOADS = 12 };
+enum { VECTORS = 9, ANGLE_PATH = 3, AXES = 4, PATHS = 6, POWERS = 6, LOADS = 12 };
 
 /* Largest displacement, m, and rotation, rad, that a change adds to the motion of an end within the step.  The loads'
    response to them exceeds the loads' rounding errors by far, and the rope's stiffness stays the same along them. */

@@ -92,12 +92,12 @@ static void stress_signals(Simulator *sim, double *values) {
     for (int k = 0; k <= last; k++)
         for (int which = BENDING_STRESS; which <= TORSIONAL_STRESS; which++) {
             double *most = values + SIGNAL_STRESS_BENDING_MAX + which;
-            *most = fmax(*most, material_value(&sim->scene.rope, torsional, sim->strains[k], which));
+            *most = fmax(*most, material_value(&sim->scene.rope, torsional, sim->work.strains[k], which));
         }
     while (lowest < last && nodal.s[lowest + 1] < loop(sim)->s) lowest++;
-    values[SIGNAL_LEFT_TWIST] = sim->strains[0][1];
-    values[SIGNAL_RIGHT_TWIST] = sim->strains[last][1];
-    values[SIGNAL_LOOP_TWIST] = sim->strains[lowest][1];
+    values[SIGNAL_LEFT_TWIST] = sim->work.strains[0][1];
+    values[SIGNAL_RIGHT_TWIST] = sim->work.strains[last][1];
+    values[SIGNAL_LOOP_TWIST] = sim->work.strains[lowest][1];
 }
 
 static void contact_signals(Simulator *sim, double *values) {
@@ -150,8 +150,8 @@ static void along(const Simulator *sim, const double *places, int which, double 
     for (int i = 0, k = 0; i < SHAPE_POINTS; i++) {
         k = middle_before(nodal.nodes, nodal.s, k, places[i]);
         const int next = k < nodal.nodes - 2 ? k + 1 : k;
-        const double value = material_value(rope, torsional, sim->strains[k], which);
-        const double following = material_value(rope, torsional, sim->strains[next], which);
+        const double value = material_value(rope, torsional, sim->work.strains[k], which);
+        const double following = material_value(rope, torsional, sim->work.strains[next], which);
         values[i] = interpolate_midpoints(nodal.nodes, nodal.s, k, places[i], value, following);
     }
 }

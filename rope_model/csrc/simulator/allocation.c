@@ -42,31 +42,29 @@ static size_t lay_out(Simulator *sim, Arena *arena) {
     const bool rubs = wire_stiffness(&scene->rope) > 0, presses = scene->shaft.contact.rope_stiffness > 0;
     const size_t n = (size_t)sim->elements, size = (n + 1) * DOF;
     State **const states[] = {&sim->state, &sim->next, &sim->spare, &sim->start};
-    double **const arrays[] = {&sim->trial.q,      &sim->trial.v,        &sim->trial.a, &sim->trial.b,
-                               &sim->trial.a_rate, &sim->trial.reaction, &sim->x};
+    double **const arrays[] = {&sim->work.trial.q, &sim->work.trial.v,      &sim->work.trial.a,
+                               &sim->work.trial.b, &sim->work.trial.a_rate, &sim->work.trial.reaction,
+                               &sim->work.x};
     sim->state_bytes = sizeof(State) + sizeof(double) * (FIELDS * size + 2 * n + 1 + (rubs ? WIRE_Z * n : 0));
     for (int k = 0; k < 4; k++) *states[k] = reserve(arena, sim->state_bytes);
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) *arrays[k] = numbers(arena, size);
     sim->replay.steps = reserve(arena, sizeof *sim->replay.steps * MAX_TAKEN);
-    sim->strains = reserve(arena, sizeof *sim->strains * n);
-    sim->gained = reserve(arena, sizeof *sim->gained * n);
+    sim->work.strains = reserve(arena, sizeof *sim->work.strains * n);
+    sim->work.gained = reserve(arena, sizeof *sim->work.gained * n);
     sim->reference.frames = reserve(arena, chain_frames_bytes(sim->elements));
-    sim->work = reserve(arena, chain_work_bytes(sim->elements));
+    sim->work.chain = reserve(arena, chain_work_bytes(sim->elements));
     if (max_curvature(&scene->rope) > 0) sim->reference.curved = numbers(arena, CURVED_SIZE * n);
     if (rubs) sim->reference.wires = numbers(arena, WIRE_ELEMENT_HISTORY_SIZE * n);
-    if (rubs) sim->latest = numbers(arena, WIRE_ELEMENT_TANGENT_SIZE * (n + MAX_LANES - 1));
+    if (rubs) sim->work.wire_tangents = numbers(arena, WIRE_ELEMENT_TANGENT_SIZE * (n + MAX_LANES - 1));
     sim->obstacles = reserve(arena, sizeof *sim->obstacles);
     sim->self_contact = reserve(arena, sizeof *sim->self_contact);
     const ClearanceCache cache = {.q = numbers(arena, size), .lengths = numbers(arena, n)};
     const Obstacles obstacles = {.scene = scene, .cache = cache, .near = reserve(arena, sizeof *obstacles.near * n)};
     SelfContactState self_contact = {.scene = scene, .presses = presses};
     self_contact.cache = (ClearanceCache){.q = numbers(arena, size), .lengths = numbers(arena, n)};
-    self_contact.scratch = numbers(arena, CG_ARRAYS * size);
-    self_contact.boxes = reserve(arena, sizeof *self_contact.boxes * n);
-    self_contact.arc_gaps = numbers(arena, n);
-    self_contact.distances = numbers(arena, n);
-    self_contact.xi = numbers(arena, n);
-    self_contact.others = reserve(arena, sizeof *self_contact.others * n);
+    self_contact.work.cg = numbers(arena, CG_ARRAYS * size);
+    self_contact.work.boxes = reserve(arena, sizeof *self_contact.work.boxes * n);
+    self_contact.work.neighbours = reserve(arena, sizeof *self_contact.work.neighbours * n);
     const size_t used = arena->used;
     if (presses) { /* room for strands that lie in each other */
         const size_t places = (size_t)rope_contact_max_points(scene->rope.length, sim->elements, scene->rope.diameter);
@@ -90,8 +88,9 @@ Simulator *allocate_simulator(const Scene *scene, int elements, const Memory *me
     memset(sim, 0, sizeof *sim + ALIGNMENT + cleared);
     sim->memory = *memory;
     sim->scene = *scene;
-    sim->elements = sim->trial.elements = elements;
-    sim->trial.nodes = elements + 1;
+    sim->elements = elements;
+    sim->work.trial.elements = elements;
+    sim->work.trial.nodes = elements + 1;
     sim->chains = fastest_chains();
     arena.block = (char *)(sim + 1) + (ALIGNMENT - (uintptr_t)(sim + 1) % ALIGNMENT);
     arena.used = 0;

@@ -39,7 +39,7 @@ static System system_of(const Simulator *sim, State *state) {
                   .wires = state->rubs ? sim->reference.wires : NULL,
                   .curved = is_curved(sim->reference.curved, &sim->scene.rope, state->fidelity) ? sim->reference.curved
                                                                                                 : NULL,
-                  .latest = sim->latest,
+                  .wire_tangents = sim->work.wire_tangents,
                   .shortest = x.lengths[0]};
     element_parameters(data, sim->scene.layout.gravity, sys.P);
     sys.air_acts = air_acts(&sim->scene.shaft.air, data->diameter);
@@ -74,8 +74,8 @@ static void refer_material(Simulator *sim, State *state, const System *sys, cons
     memcpy(sim->reference.left_slope, q + SLOPE, sizeof sim->reference.left_slope);
     curved_reference(sim->reference.curved, &sim->scene.rope, state, q);
     if (!state->rubs) return;
-    chain_of(sim, state)->strains(sys, q, state_arrays(state).v, sim->strains); /* the history takes no rates */
-    wires_history(&sim->scene.rope, state, q, sim->strains, sim->reference.wires);
+    chain_of(sim, state)->strains(sys, q, state_arrays(state).v, sim->work.strains); /* the history takes no rates */
+    wires_history(&sim->scene.rope, state, q, sim->work.strains, sim->reference.wires);
 }
 
 void rope_system_refer(Simulator *sim, State *state, const double *q) {
@@ -87,14 +87,15 @@ void rope_system_refer(Simulator *sim, State *state, const double *q) {
 double rope_system_transport(Simulator *sim, State *state, double *q, double *v, double *a, double *b) {
     const System sys = rope_system(sim, state);
     double turn = 0;
-    chain_of(sim, state)->transport(&sys, q, v, a, sim->gained);
+    chain_of(sim, state)->transport(&sys, q, v, a, sim->work.gained);
     for (int k = 0; k < sys.elements; k++) {
         const size_t theta = (size_t)(k + 1) * DOF + ANGLE;
-        turn += sim->gained[k][0];
+        const double *gained = sim->work.gained[k];
+        turn += gained[THETA];
         q[theta] += turn;
-        v[theta] += sim->gained[k][1];
-        a[theta] += sim->gained[k][2];
-        b[theta] += sim->gained[k][2];
+        v[theta] += gained[THETA_T];
+        a[theta] += gained[THETA_TT];
+        b[theta] += gained[THETA_TT];
     }
     carry_director(state, sim->reference.left_slope, q + SLOPE);
     refer_material(sim, state, &sys, q);
@@ -128,5 +129,5 @@ void external_sums(const System *sys, const double *q, const double *v, double s
 void rope_system_strains(Simulator *sim) {
     const System sys = rope_system(sim, sim->state);
     const NodalArrays nodal = state_arrays(sim->state);
-    chain_of(sim, sim->state)->strains(&sys, nodal.q, nodal.v, sim->strains);
+    chain_of(sim, sim->state)->strains(&sys, nodal.q, nodal.v, sim->work.strains);
 }

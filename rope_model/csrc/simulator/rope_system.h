@@ -15,7 +15,7 @@ void rope_system_adopt(Simulator *sim, const State *state);
 double rope_system_transport(Simulator *sim, State *state, double *q, double *v, double *a, double *b);
 /* Set prescribed entries at t of q, v and a in x, or of the first `orders` of them. */
 void rope_system_prescribed_motion(const Scene *scene, const State *state, double t, int orders, double *const x[]);
-void rope_system_strains(Simulator *sim); /* Strains of the present state, into sim->strains. */
+void rope_system_strains(Simulator *sim); /* Strains of the present state, into sim->work.strains. */
 
 /* Sum the contact of all elements with bodies and of the rope with itself. */
 void external_sums(const System *sys, const double *q, const double *v, double sums[CONTACT_BALANCE]);

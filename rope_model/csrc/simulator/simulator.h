@@ -25,6 +25,23 @@ typedef struct {
     double left_slope[3]; /* r' of the left end */
 } Reference;
 
+/* Scratch of the simulator's functions, no part of its state. */
+typedef struct {
+    NodalArrays trial;           /* arrays of the latest trial step */
+    double *x;                   /* (nodes x DOF) */
+    double (*strains)[STRAINS];  /* of the elements */
+    double (*gained)[ROTATIONS]; /* of the elements, from Chain.transport */
+    double *wire_tangents;       /* for System.wire_tangents; NULL without friction between wires */
+    void *chain;                 /* chain_work_bytes */
+} Workspace;
+
+/* Searches for the equilibria of the present start. */
+typedef struct {
+    int64_t corrections; /* of all of them */
+    int64_t solutions;   /* of the chain's equations, for contact of the rope with itself */
+    bool turned;         /* true if the latest one turned more than allowed */
+} EquilibriumSearch;
+
 struct Simulator {
     Scene scene;
     Memory memory;
@@ -39,13 +56,8 @@ struct Simulator {
     State *start;  /* state before the last communication step, if last.taken */
     HostStep last; /* that step */
     Replay replay;
-    NodalArrays trial;          /* arrays of the latest trial step; scratch otherwise */
-    double *x;                  /* scratch (nodes x DOF) */
-    double (*strains)[STRAINS]; /* scratch */
-    double (*gained)[3];        /* scratch, for Chain.transport */
+    Workspace work;
     Reference reference;
-    double *latest; /* friction of the wires at the last tangent, see System.latest; or NULL */
-    void *work;     /* scratch of the chain */
     Obstacles *obstacles;
     SelfContactState *self_contact;
     PointForces forces;
@@ -55,9 +67,7 @@ struct Simulator {
     bool bottom_known;
     int nearest_blocks[2]; /* `pair` of leg_clearance */
     int64_t newton_limit;  /* Newton iterations after which the present advance gives up accuracy */
-    int64_t corrections;   /* Newton corrections of all equilibria of the present start */
-    int64_t solutions;     /* and solutions of the chain's equations for contact of the rope with itself */
-    bool turned;           /* true if the latest equilibrium turned more than allowed */
+    EquilibriumSearch search;
     char message[MESSAGE];
 };
 

@@ -22,8 +22,8 @@ typedef struct {
     const double *wires;  /* WIRE_ELEMENT_HISTORY_SIZE numbers an element; NULL without friction between wires */
     const double *curved; /* CURVED_SIZE numbers an element; NULL without permanent curvature */
     double time;          /* time at which point forces are evaluated, s */
-    double
-        *latest; /* WIRE_ELEMENT_TANGENT_SIZE numbers an element, of the latest tangent; scratch, aligned as frames */
+    /* WIRE_ELEMENT_TANGENT_SIZE numbers an element, of the latest tangent; scratch, aligned as frames */
+    double *wire_tangents;
     double P[ELEMENT_PARAMETERS]; /* parameters of the element functions */
     bool air_acts;                /* else `air` is not read */
     double air[AIR_COEFFICIENTS]; /* numbers of AirCoefficients, in their order */

@@ -41,13 +41,13 @@ static void add_energy_change(Simulator *sim, State *state) {
 /* Equilibrium with the present accelerations, damped by an inertia of time constant `time`; no change on failure. */
 static Progress dynamic_equilibrium(Simulator *sim, State *state, double time, double tolerance) {
     const NodalArrays nodal = state_arrays(state);
-    const NodalArrays *now = &sim->trial;
+    const NodalArrays *now = &sim->work.trial;
     const System sys = rope_system(sim, state);
     const size_t bytes = sizeof(double) * (size_t)nodal.nodes * DOF;
     const TangentCoefficients c = {.q = 1, .a = pow(time, -2)};
     double balance[ENERGIES];
     copy_fields(now, &nodal);
-    const Progress newton = chain_of(sim, state)->solve(&sys, sim->work, now, &c, tolerance, NULL, balance);
+    const Progress newton = chain_of(sim, state)->solve(&sys, sim->work.chain, now, &c, tolerance, NULL, balance);
     if (newton.status != CONVERGED) return newton;
     update_hysteresis(sim->reference.wires, state, now->q);
     update_angles(sim, state, now->q, nodal.v, nodal.a, nodal.b);
@@ -59,12 +59,12 @@ static Progress dynamic_equilibrium(Simulator *sim, State *state, double time, d
 static int on_partition(Simulator *sim, State *state, int direction, const double *divider_s) {
     const NodalArrays nodal = state_arrays(state);
     double *const fields[] = {nodal.q, nodal.v, nodal.a, nodal.b, nodal.a_rate};
-    double *old_s = sim->trial.b;
+    double *old_s = sim->work.trial.b;
     memcpy(old_s, nodal.s, sizeof(double) * (size_t)nodal.nodes);
     partition_transform(&state->pattern, direction, divider_s, nodal.elements, nodal.lengths);
     arc_lengths(nodal.elements, nodal.lengths, nodal.s);
     if (state->fidelity == RIGID) return CONVERGED; /* shape and energies do not depend on the mesh */
-    transfer_fields(nodal.nodes, old_s, nodal.s, 5, fields, sim->work);
+    transfer_fields(nodal.nodes, old_s, nodal.s, 5, fields, sim->work.chain);
     wires_carry(state, old_s, sim->reference.wires); /* scratch: its history belongs to the old mesh */
     memset(nodal.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(nodal.nodes - 2));
     rope_system_refer(sim, state, nodal.q);
@@ -122,7 +122,7 @@ RopeStatus raise_fidelity(Simulator *sim, State *state, const char *why, char *m
     }
     if (was == RIGID && !flexible_start(sim, state, message)) return ROPE_FAILED;
     if (dynamic_equilibrium(sim, state, STEPPING_SETTLING_TIME, SETTLING_TOLERANCE).status == CONVERGED)
-        memcpy(nodal.reaction, sim->trial.reaction, sizeof(double) * (size_t)nodal.nodes * DOF);
+        memcpy(nodal.reaction, sim->work.trial.reaction, sizeof(double) * (size_t)nodal.nodes * DOF);
     else
         update_angles(sim, state, nodal.q, nodal.v, nodal.a, nodal.b);
     restart_motion(sim, state);

@@ -18,8 +18,8 @@
 /* Refer theta of an equilibrium q, which is referred to q, to the rigid rope. */
 static void count_from_rigid(Simulator *sim, State *state, const double *rigid, double *q) {
     const size_t size = (size_t)(state->elements + 1) * DOF;
-    double *moved = sim->trial.q;
-    double *zeros = sim->trial.v;
+    double *moved = sim->work.trial.q;
+    double *zeros = sim->work.trial.v;
     memcpy(moved, q, sizeof(double) * size);
     memset(zeros, 0, sizeof(double) * size);
     rope_system_refer(sim, state, rigid);
@@ -42,7 +42,7 @@ RopeStatus flexible_start(Simulator *sim, State *state, char *message) {
     const double *rigid = state_arrays(sim->spare).q;
     for (int side = LEFT; side <= RIGHT; side++)
         state->paths[side] = end_path_at_constant_acceleration(&paths[side], t);
-    sim->corrections = sim->solutions = 0;
+    sim->search.corrections = sim->search.solutions = 0;
     RopeStatus found = find_equilibrium(sim, state, INFINITY, message);
     const double turned = state->offsets[RIGHT];
     memcpy(q, nodal.q, bytes);

@@ -35,13 +35,13 @@
 /* Return the change of the accelerations over the trial; where wires rub, without that of unresolved stiff modes. */
 static const double *resolved_change(Simulator *sim, const Chain *chain, const System *sys, double c_a,
                                      const double *before) {
-    const NodalArrays *now = &sim->trial;
+    const NodalArrays *now = &sim->work.trial;
     const size_t size = (size_t)now->nodes * DOF;
-    for (size_t i = 0; i < size; i++) sim->x[i] = now->a[i] - before[i];
-    if (sys->wires == NULL) return sim->x;
-    chain->resolve(sys, sim->work, now, sim->x, sim->x);
-    for (size_t i = 0; i < size; i++) sim->x[i] *= c_a;
-    return sim->x;
+    for (size_t i = 0; i < size; i++) sim->work.x[i] = now->a[i] - before[i];
+    if (sys->wires == NULL) return sim->work.x;
+    chain->resolve(sys, sim->work.chain, now, sim->work.x, sim->work.x);
+    for (size_t i = 0; i < size; i++) sim->work.x[i] *= c_a;
+    return sim->work.x;
 }
 
 /* True if the rate of the acceleration over the step `before` may predict a step h. */
@@ -65,7 +65,7 @@ static void predict(const NodalArrays *old, double h, double ahead, const double
 
 StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, double h) {
     const NodalArrays old = state_arrays(state);
-    const NodalArrays *now = &sim->trial;
+    const NodalArrays *now = &sim->work.trial;
     const Coefficients method = {sim->scene.solver.rho_inf};
     const size_t size = (size_t)old.nodes * DOF;
     const double time_shift = recentring(&method, h, state->h);
@@ -83,7 +83,7 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
     const Chain *chain = chain_of(sim, state);
     const Solver *solver = &sim->scene.solver;
     result.newton =
-        chain->solve(sys, sim->work, now, &c,
+        chain->solve(sys, sim->work.chain, now, &c,
                      newton_effective_tolerance(solver->newton_tolerance, solver->work_max, NEWTON_BOUNDED_STEP_ERROR),
                      old.q, result.balance);
     for (size_t i = 0; i < size; i++) finite &= isfinite(now->reaction[i]);
@@ -108,14 +108,14 @@ void generalized_alpha_restart(Simulator *sim, State *state, const System *sys) 
     const size_t size = (size_t)nodal.nodes * DOF;
     const TangentCoefficients c = {.a = 1};
     double unused[ENERGIES];
-    double *reaction = sim->trial.reaction;
+    double *reaction = sim->work.trial.reaction;
     present.reaction = reaction;
     memset(nodal.a, 0, sizeof(double) * size);
     rope_system_prescribed_motion(&sim->scene, state, state->t, 3, (double *[]){nodal.q, nodal.v, nodal.a});
     for (int again = 0; again < 2; again++) { /* friction of the second pass uses the reactions of the first */
         memcpy(reaction, nodal.reaction, sizeof(double) * size);
-        chain_of(sim, state)->newton_step(sys, sim->work, &present, &c, again, sim->x, nodal.reaction);
-        for (size_t i = 0; i < size; i++) nodal.a[i] += sim->x[i];
+        chain_of(sim, state)->newton_step(sys, sim->work.chain, &present, &c, again, sim->work.x, nodal.reaction);
+        for (size_t i = 0; i < size; i++) nodal.a[i] += sim->work.x[i];
     }
     memcpy(reaction, nodal.reaction, sizeof(double) * size);
     chain_of(sim, state)->evaluate(sys, nodal.q, nodal.v, nodal.a, reaction, nodal.reaction, unused);

@@ -9,7 +9,7 @@
 #include "state_structures.h"
 #include "system.h"
 
-/* A trial step; its arrays are Simulator.trial. */
+/* A trial step; its arrays are Workspace.trial. */
 typedef struct {
     double t, h;        /* end and length of the step, s */
     double error;       /* local error, by chain_norm */
@@ -21,7 +21,7 @@ typedef struct {
     Progress newton;
 } StepResult;
 
-StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, double h); /* Step into sim->trial. */
+StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, double h); /* Step into the trial. */
 void generalized_alpha_restart(Simulator *sim, State *state, const System *sys);
 /* Return the time by which b is moved when a step h follows one of length `before` (0 after a restart). */
 double recentring(const Coefficients *method, double h, double before);

@@ -62,18 +62,18 @@ static RopeStatus turn_in(Simulator *sim, State *state, double twist, char *mess
         const double step = size < fabs(left) ? copysign(size, twist) : left;
         const bool last = fabs(step) <= STATICS_MIN_TWIST_STEP;
         char why[MESSAGE];
-        if (sim->corrections >= STATICS_MAX_CORRECTIONS) {
+        if (sim->search.corrections >= STATICS_MAX_CORRECTIONS) {
             say_takes_too_long(why);
-            return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)sim->corrections, why);
+            return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)sim->search.corrections, why);
         }
         memcpy(sim->spare, state, sim->state_bytes);
         state->offsets[RIGHT] += step;
         for (int k = 0; k < nodal.nodes; k++)
             nodal.q[(size_t)k * DOF + ANGLE] += step * (nodal.s[k] / nodal.s[nodal.elements]);
         if (!equilibrium_in_frame(sim, state, last ? INFINITY : STATICS_MAX_TURN, message)) {
-            if (!sim->turned) {
+            if (!sim->search.turned) {
                 memcpy(why, message, MESSAGE);
-                return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)sim->corrections, why);
+                return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)sim->search.corrections, why);
             }
             memcpy(state, sim->spare, sim->state_bytes);
             message[0] = '\0';
@@ -109,8 +109,8 @@ static RopeStatus lay_down(Simulator *sim, State *state, char *message) {
     for (int k = 0; k < parts && found; k++) {
         put_floor(&sim->scene, sim->obstacles, lowest + below * k / parts);
         found = equilibrium_in_frame(sim, state, INFINITY, message);
-        if (found && sim->corrections > MAX_LAYING) {
-            say_not_laid_down(message, (int)sim->corrections, below * k / parts, below, shaft.sump.level);
+        if (found && sim->search.corrections > MAX_LAYING) {
+            say_not_laid_down(message, (int)sim->search.corrections, below * k / parts, below, shaft.sump.level);
             found = ROPE_FAILED;
         }
     }
@@ -203,7 +203,7 @@ static RopeStatus hang_in_loop(Simulator *sim, State *state, char *message) {
     const double first = before.ends[LEFT][0][ANGLE], twist = before.ends[RIGHT][0][ANGLE] - first;
     untwist(&nodal, first);
     state->offsets[RIGHT] -= twist;
-    sim->corrections = sim->solutions = 0;
+    sim->search.corrections = sim->search.solutions = 0;
     return let_curve(sim, state, message) && turn_in(sim, state, twist, message) && relax(sim, state, &before, message);
 }
 

@@ -93,11 +93,11 @@ RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char 
     const Chain *chain = chain_of(sim, state);
     const size_t size = (size_t)nodal.nodes * DOF;
     const size_t bytes = sizeof(double) * size;
-    double *trial = sim->trial.q;
-    double *zeros = sim->trial.v;
-    double *R = sim->trial.a;
-    double *now = sim->trial.b;
-    double *x = sim->x;
+    double *trial = sim->work.trial.q;
+    double *zeros = sim->work.trial.v;
+    double *R = sim->work.trial.a;
+    double *now = sim->work.trial.b;
+    double *x = sim->work.x;
     double balance[ENERGIES];
     const bool shortened = statics_lacks_symmetry(sys.P[P_QS], sys.P[P_QK]) > 0;
     const double largest = fmin(STATICS_MAX_MOVE, 0.5 * bodies_min_body_thickness(&sim->scene));
@@ -110,19 +110,20 @@ RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char 
     double last = 0;    /* error before the latest correction, if it was taken whole */
     int balanced = 0;
     int k;
-    sim->turned = false;
+    sim->search.turned = false;
     memset(zeros, 0, bytes);
     NodalArrays rest = nodal;
     rest.v = zeros;
     rest.a = zeros;
     for (k = 0; k < MAX_ITERATIONS && tau >= STATICS_SHORTEST_TIME; k++) {
-        sim->corrections++;
+        sim->search.corrections++;
         const int64_t solutions = sim->self_contact->solutions;
         const TangentCoefficients c = {.q = 1, .a = pow(tau, -2)};
-        chain->newton_step(&sys, sim->work, &rest, &c, false, x, now);
+        chain->newton_step(&sys, sim->work.chain, &rest, &c, false, x, now);
         correction.force = imbalance(&sys, now);
-        sim->solutions += sim->self_contact->solutions - solutions;
-        if (sim->solutions > MAX_SOLUTIONS) return say_winds_about_itself(message, correction.force, MAX_SOLUTIONS);
+        sim->search.solutions += sim->self_contact->solutions - solutions;
+        if (sim->search.solutions > MAX_SOLUTIONS)
+            return say_winds_about_itself(message, correction.force, MAX_SOLUTIONS);
         const double move = chain_norm(&sys, x, 1);
         const double norm = chain_norm(&sys, x, sys.shortest);
         if (!isfinite(move)) {
@@ -146,8 +147,8 @@ RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char 
             continue;
         }
         turned += rope_system_transport(sim, state, trial, zeros, zeros, zeros);
-        sim->turned = fabs(turned) > max_turn;
-        if (sim->turned) break;
+        sim->search.turned = fabs(turned) > max_turn;
+        if (sim->search.turned) break;
         memcpy(nodal.q, trial, bytes);
         memcpy(nodal.reaction, R, bytes);
         balanced += correction.force_left <= rounding;

@@ -73,11 +73,11 @@ static double excess_after(void *data, double h) {
     if (search->iterations >= search->allowed) return -1; /* ends at the earliest time known to be past the event */
     const StepResult trial = compute_trial(search->sim, search->state, h);
     search->iterations += trial.newton.iterations;
-    return trial.converged ? excess(&search->sim->scene, search->state, trial.t, &search->sim->trial) : INFINITY;
+    return trial.converged ? excess(&search->sim->scene, search->state, trial.t, &search->sim->work.trial) : INFINITY;
 }
 
 Switching switching_step(Simulator *sim, State *state, StepResult *trial) {
-    const double at_end = excess(&sim->scene, state, trial->t, &sim->trial);
+    const double at_end = excess(&sim->scene, state, trial->t, &sim->work.trial);
     if (at_end < 0) return STAYS;
     const NodalArrays nodal = state_arrays(state);
     /* Keep iterations for the step to the event and the next one. */

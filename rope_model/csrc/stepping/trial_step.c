@@ -235,7 +235,7 @@ static StepLosses losses_in_middle(const Scene *scene, const Chain *chain, const
 /* Take the motion of the trial, with its frames. */
 static void take_motion(Simulator *sim, State *state, const StepResult *trial) {
     const NodalArrays nodal = state_arrays(state);
-    const NodalArrays *moved = &sim->trial;
+    const NodalArrays *moved = &sim->work.trial;
     update_angles(sim, state, moved->q, moved->v, moved->a, moved->b);
     copy_fields(&nodal, moved);
     state->t = trial->t;
@@ -256,13 +256,13 @@ void commit_trial(Simulator *sim, State *state, const StepResult *trial) {
                          .bottom_s = bottom_arc_length(scene, state->paths, state->t),
                          .end_speed = relative_end_speed(&nodal),
                          .position = trial->error};
-    strain_accelerations(scene, &sim->trial, nodal.v, h, step.strain_tt);
+    strain_accelerations(scene, &sim->work.trial, nodal.v, h, step.strain_tt);
 
     /* its middle */
-    move_to_middle(&nodal, &sim->trial, h);
+    move_to_middle(&nodal, &sim->work.trial, h);
     sys.time = state->t + 0.5 * h;
     StepLosses losses = losses_in_middle(scene, chain_of(sim, state), &sys, state, h);
-    losses.wires = update_hysteresis(sim->reference.wires, state, sim->trial.q);
+    losses.wires = update_hysteresis(sim->reference.wires, state, sim->work.trial.q);
 
     /* its end */
     take_motion(sim, state, trial);
