@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -99,10 +99,30 @@ def newton_coefficients(method: Coefficients, h: Scalar) -> TangentCoefficients:
     )
 
 
+class PredictionWeights(NamedTuple):
+    """Weights of a, b and a_rate at the start of a step in q and in v at its end."""
+
+    q_a: Scalar
+    v_a: Scalar
+    q_b: Scalar
+    v_b: Scalar
+    q_rate: Scalar
+    v_rate: Scalar
+
+
+class AuxiliaryWeights(NamedTuple):
+    """Weights of a, b and a_rate at the start of a step, and of a at its end, in b at its end."""
+
+    a: Scalar
+    b: Scalar
+    a_rate: Scalar
+    a_end: Scalar
+
+
 def prediction_weights(
     method: Coefficients, h: Scalar, recentring: Scalar, horizon: Scalar
-) -> Annotated[tuple[Scalar, ...], 6]:
-    """Return the weights of a, b and a_rate in q and in v at the end of a step ``h``.
+) -> PredictionWeights:
+    """Return the weights of the prediction over a step ``h``.
 
     b is moved by ``recentring``; the acceleration continues at its rate for the time ``horizon``.
     """
@@ -114,16 +134,26 @@ def prediction_weights(
     q_b = h * h * (0.5 - beta) - m * q_a
     v_b = h * (1 - gamma) - m * v_a
     weight = (1 - method.alpha_f) * horizon
-    return q_a, v_a, q_b, v_b, q_b * recentring + q_a * weight, v_b * recentring + v_a * weight
+    return PredictionWeights(
+        q_a=q_a,
+        v_a=v_a,
+        q_b=q_b,
+        v_b=v_b,
+        q_rate=q_b * recentring + q_a * weight,
+        v_rate=v_b * recentring + v_a * weight,
+    )
 
 
-def auxiliary_weights(
-    method: Coefficients, recentring: Scalar
-) -> tuple[Scalar, Scalar, Scalar, Scalar]:
-    """Return the weights of a, b, a_rate at the start of a step, and of a at its end, in b at its end."""
+def auxiliary_weights(method: Coefficients, recentring: Scalar) -> AuxiliaryWeights:
+    """Return the weights of the auxiliary acceleration at the end of a step."""
     m = method.alpha_m
     f = method.alpha_f
-    return f / (1 - m), -m / (1 - m), -m * recentring / (1 - m), (1 - f) / (1 - m)
+    return AuxiliaryWeights(
+        a=f / (1 - m),
+        b=-m / (1 - m),
+        a_rate=-m * recentring / (1 - m),
+        a_end=(1 - f) / (1 - m),
+    )
 
 
 def local_error(method: Coefficients, h: Scalar, change: Scalar) -> Scalar:

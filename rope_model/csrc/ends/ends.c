@@ -46,7 +46,7 @@ double end_strain(const Scene *scene, int nodes, const double *q, const double *
     const int attachment = scene->swivels[side].attachment, to_next = attachment != CLAMPED ? 0 : side ? -DOF : DOF;
     const double *t = end_row(q, nodes, side) + to_next + SLOPE;
     const double *y = end_row(x, nodes, side) + to_next + SLOPE;
-    return attachment == PLUMB ? y[1] : elementary_dot(y, t) / sqrt(elementary_dot(t, t));
+    return attachment == PLUMB ? y[UP] : elementary_dot(y, t) / sqrt(elementary_dot(t, t));
 }
 
 RopeStatus check_motion(const Scene *scene, const EndMotion *target, const double measures[PATH_MEASURES], int side,

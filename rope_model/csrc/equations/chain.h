@@ -32,7 +32,7 @@ typedef struct {
                         bool factorized, double *x, double *R);
     void (*evaluate)(const System *, const double *q, const double *v, const double *a, const double *reaction,
                      double *R, double balance[ENERGIES]); /* R may be NULL */
-    void (*losses)(const System *, const double *q, const double *v, double powers[2]);
+    void (*losses)(const System *, const double *q, const double *v, double powers[LOSSES]);
     void (*air)(const System *, const double *q, const double *v, double sums[AIR_BALANCE]);
     void (*strains)(const System *, const double *q, const double *v, double (*strains)[STRAINS]);
     /* Momentum with the spin of the swivels; the frames must be referred to q. */

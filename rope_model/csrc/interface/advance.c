@@ -98,7 +98,7 @@ static RopeStatus initialize(Simulator *sim, double t, const EndMotion ends[2]) 
         return ROPE_FAILED;
     if (start_hysteresis(sim->reference.wires, state)) rope_system_refer(sim, state, nodal.q);
     for (int side = LEFT; side <= RIGHT; side++)
-        state->force_mean[side] = -end_row(nodal.reaction, nodal.nodes, side)[1];
+        state->force_mean[side] = -end_row(nodal.reaction, nodal.nodes, side)[UP];
     state->energy_balance.start = energy_balance_total(&state->energy_balance);
     state->event_count = 0;
     begin_audit(sim, state);

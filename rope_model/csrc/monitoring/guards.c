@@ -14,8 +14,9 @@
 #include "state_structures.h"
 
 double guards_rise(const Scene *scene, const State *state, const NodalArrays *nodal, const LoopBottom *bottom) {
-    const double left = nodal->q[1], right = end_row(nodal->q, nodal->nodes, RIGHT)[1];
-    return guard_loop_height(&scene->rope, &scene->layout, bottom->position[1], left, right) - state->guard.rest;
+    const double left = nodal->q[UP];
+    const double right = end_row(nodal->q, nodal->nodes, RIGHT)[UP];
+    return guard_loop_height(&scene->rope, &scene->layout, bottom->position[UP], left, right) - state->guard.rest;
 }
 
 /* Return the distance of the lowest point from the middle between the ends; with a window, that of a leg from plumb. */
@@ -25,7 +26,7 @@ static double guards_sideways(const NodalArrays *nodal, double height, const Loo
     double farthest = 0;
     if (height <= -FAR) return guard_sideways(bottom->position, nodal->q, last);
     for (const double *a = nodal->q; a < last; a += DOF)
-        if ((a[1] < height) != (a[DOF + 1] < height))
+        if ((a[UP] < height) != (a[DOF + UP] < height))
             farthest = maximum(farthest, guard_off_plumb(height, a, a + DOF, a < lowest ? nodal->q : last));
     return farthest;
 }
@@ -50,7 +51,7 @@ void update_guards(const Scene *scene, State *state) {
     for (int side = LEFT; side <= RIGHT; side++)
         torque = maximum(torque, fabs(ends_moment(scene, state, &nodal, side)));
     const double quantities[GUARDS] = {
-        guard->rise_y <= -FAR ? guards_rise(scene, state, &nodal, &bottom) : bottom.position[1] - guard->rise_y,
+        guard->rise_y <= -FAR ? guards_rise(scene, state, &nodal, &bottom) : bottom.position[UP] - guard->rise_y,
         guards_sideways(&nodal, guard->window_y, &bottom),
         clearance,
         fabs(centreline_turns(centreline_nearest_turn(bottom.yaw, state->loop_yaw), ends_yaw(&nodal),

@@ -26,10 +26,10 @@ LoopBottom loop_bottom(int nodes, const double *q, const double *s) {
     transfer_interpolate(nodes, q, s, SAMPLING_FINE, fine, rows);
     int j = 0;
     for (int k = 1; k < SAMPLING_FINE; k++)
-        if (rows[k][1] < rows[j][1]) j = k;
+        if (rows[k][UP] < rows[j][UP]) j = k;
     /* lowest point of the parabola through three points */
     j = j < 1 ? 1 : j > SAMPLING_FINE - 2 ? SAMPLING_FINE - 2 : j;
-    double before = rows[j - 1][1], after = rows[j + 1][1], bend = before - 2 * rows[j][1] + after;
+    double before = rows[j - 1][UP], after = rows[j + 1][UP], bend = before - 2 * rows[j][UP] + after;
     double shift = bend > 0 ? 0.5 * (before - after) / bend : 0.0;
     LoopBottom bottom;
     bottom.s = fine[j] + fmin(fmax(shift, -1.0), 1.0) * (fine[1] - fine[0]);
@@ -60,17 +60,17 @@ static void climb_on(Climb *leg) {
     const int step = leg->last == 0 ? -1 : 1;
     double place[3];
     memcpy(leg->low, leg->high, sizeof leg->low);
-    leg->high[1] = HUGE_VAL;
-    while ((leg->last - leg->point) * step >= 0 && leg->high[1] == HUGE_VAL) {
+    leg->high[UP] = HUGE_VAL;
+    while ((leg->last - leg->point) * step >= 0 && leg->high[UP] == HUGE_VAL) {
         point_of(leg->nodal, leg->point, place);
-        if (place[1] > leg->low[1]) memcpy(leg->high, place, sizeof leg->high);
+        if (place[UP] > leg->low[UP]) memcpy(leg->high, place, sizeof leg->high);
         leg->point += step;
     }
 }
 
 /* Interpolate a coordinate at a height between low and high. */
 static double climb_at(const Climb *leg, double height, int axis) {
-    const double fraction = (height - leg->low[1]) / (leg->high[1] - leg->low[1]);
+    const double fraction = (height - leg->low[UP]) / (leg->high[UP] - leg->low[UP]);
     return leg->low[axis] + fraction * (leg->high[axis] - leg->low[axis]);
 }
 
@@ -84,9 +84,9 @@ bool legs_apart(const NodalArrays *nodal, const double across[2], double diamete
     int k = 0;
     centreline_plane_between(left, right, low, across, normal);
     for (const double *q = left; q < low; q += DOF, k++)
-        apart &= centreline_side_gap(-1.0, nodal->lengths[k], q, q + DOF, left[1], low, normal, diameter, above) >= 0;
+        apart &= centreline_side_gap(-1.0, nodal->lengths[k], q, q + DOF, left[UP], low, normal, diameter, above) >= 0;
     for (const double *q = low; q < right; q += DOF, k++)
-        apart &= centreline_side_gap(1.0, nodal->lengths[k], q + DOF, q, right[1], low, normal, diameter, above) >= 0;
+        apart &= centreline_side_gap(1.0, nodal->lengths[k], q + DOF, q, right[UP], low, normal, diameter, above) >= 0;
     return apart && centreline_min_slope(nodal->lengths[lowest - 1], low - DOF, low, across) > 0 &&
            centreline_min_slope(nodal->lengths[lowest], low, low + DOF, across) > 0;
 }
@@ -105,10 +105,10 @@ LoopTurns loop_turns(const NodalArrays *nodal, const LoopBottom *bottom) {
     memcpy(right.high, bottom->position, sizeof right.high);
     climb_on(&left);
     climb_on(&right);
-    double across[2], angle = 0, sharpest = -1, below = bottom->position[1];
+    double across[2], angle = 0, sharpest = -1, below = bottom->position[UP];
     LoopTurns turns = {0, below};
     centreline_heading(bottom->yaw, across);
-    double height = fmin(left.high[1], right.high[1]);
+    double height = fmin(left.high[UP], right.high[UP]);
     while (height < HUGE_VAL) {
         const double next_across[2] = {climb_at(&right, height, 0) - climb_at(&left, height, 0),
                                        climb_at(&right, height, 2) - climb_at(&left, height, 2)};
@@ -118,9 +118,9 @@ LoopTurns loop_turns(const NodalArrays *nodal, const LoopBottom *bottom) {
         angle -= turned;
         below = height;
         memcpy(across, next_across, sizeof across);
-        if (left.high[1] <= height) climb_on(&left);
-        if (right.high[1] <= height) climb_on(&right);
-        height = fmin(left.high[1], right.high[1]);
+        if (left.high[UP] <= height) climb_on(&left);
+        if (right.high[UP] <= height) climb_on(&right);
+        height = fmin(left.high[UP], right.high[UP]);
     }
     turns.number = angle / (2 * PI);
     return turns;

@@ -45,7 +45,7 @@ static void probe(NearestSearch *search, double s, const double *place) {
     const double known = search->nearest.clearance;
     if (!(clearance < known)) return;
     const double touched = clearance <= 0 && 0 < known ? search->t : search->nearest.touched_at;
-    search->nearest = (Nearest){clearance, search->t, s, place[1], touched};
+    search->nearest = (Nearest){clearance, search->t, s, place[UP], touched};
 }
 
 /* Search a piece of this length from s on, between the places and slopes a and b, by bisection. */

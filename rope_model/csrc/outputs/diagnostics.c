@@ -61,7 +61,7 @@ void diagnostics_tension(const NodalArrays *arrays, double rho, double gravity, 
             double within = hermite_integral_to(xi, l, a[axis], a[SLOPE + axis], b[axis], b[SLOPE + axis]);
             force[axis] = rho * (before[axis] + within) - arrays->reaction[axis];
         }
-        force[1] += rho * gravity * places[k];
+        force[UP] += rho * gravity * places[k];
         const double *slope = row[0] + SLOPE;
         tension[k] = elementary_dot(force, slope) / sqrt(elementary_dot(slope, slope));
     }
@@ -71,11 +71,11 @@ void diagnostics_tension(const NodalArrays *arrays, double rho, double gravity, 
    lowest point, `stride` the step to the next, in points. */
 static int part_above(double (*first)[3], int stride, double height, double part[LEG][3]) {
     int i = 0, n = 0;
-    while (i < LEG && first[stride * i][1] < height) i++;
+    while (i < LEG && first[stride * i][UP] < height) i++;
     if (i == LEG) return 0;
     const double *below = first[stride * (i > 0 ? i - 1 : 0)];
     const double *above = first[stride * i];
-    double rise = above[1] - below[1], fraction = rise > 0 ? (height - below[1]) / rise : 1.0;
+    double rise = above[UP] - below[UP], fraction = rise > 0 ? (height - below[UP]) / rise : 1.0;
     for (int axis = 0; axis < 3; axis++) part[0][axis] = below[axis] + fraction * (above[axis] - below[axis]);
     i += fraction >= 1.0;
     for (n = 1; i < LEG; i++, n++) memcpy(part[n], first[stride * i], sizeof part[n]);
@@ -146,7 +146,7 @@ double leg_clearance(int nodes, const double *q, const double *s, const LoopBott
     double places[SAMPLING_OUTLINE], outline[SAMPLING_OUTLINE][3], left[LEG][3], right[LEG][3];
     shape_places(s[nodes - 1], bottom->s, loop, SAMPLING_OUTLINE, places);
     diagnostics_shape(nodes, q, s, SAMPLING_OUTLINE, places, outline);
-    double height = bottom->position[1] + above;
+    double height = bottom->position[UP] + above;
     double (*lowest)[3] = outline + LEG - 1;
     const int lefts = part_above(lowest, -1, height, left);
     const int rights = part_above(lowest, 1, height, right);

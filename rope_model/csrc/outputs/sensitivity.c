@@ -29,7 +29,7 @@
 #include "switching.h"
 
 /* VECTORS: members of EndMotion before the yaw, three of each order */
-enum { VECTORS = 9, ANGLE_PATH = 3, AXES = 4, PATHS = 6, POWERS = 6, LOADS = 12 };
+enum { VECTORS = 9, ANGLE_PATH = 3, AXES = 4, PATHS = 6, POWERS = 6, CUBE = 3, LOADS = 12 };
 
 /* Largest displacement, m, and rotation, rad, that a change adds to the motion of an end within the step.  The loads'
    response to them exceeds the loads' rounding errors by far, and the rope's stiffness stays the same along them. */
@@ -211,12 +211,12 @@ void added_mass_signals(Simulator *sim, double *values) {
     RopeStatus done = go_back(sim, true, &place);
     for (int side = LEFT; side <= RIGHT && done; side++) {
         Change change = {.side = side};
-        change.coefficients[1][3] = 1 / (6 * sim->replay.duration);
+        change.coefficients[UP][CUBE] = 1 / (6 * sim->replay.duration);
         done = derivative_along(sim, &change, derivatives[side]);
     }
     for (int side = LEFT; side <= RIGHT; side++)
         values[side == LEFT ? SIGNAL_LEFT_ADDED_MASS : SIGNAL_RIGHT_ADDED_MASS] =
-            done ? -derivatives[side][6 * side + 1] : NAN;
+            done ? -derivatives[side][6 * side + UP] : NAN;
     return_from(sim, &place, done);
 }
 

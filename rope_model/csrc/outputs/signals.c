@@ -95,9 +95,9 @@ static void stress_signals(Simulator *sim, double *values) {
             *most = fmax(*most, material_value(&sim->scene.rope, torsional, sim->work.strains[k], which));
         }
     while (lowest < last && nodal.s[lowest + 1] < loop(sim)->s) lowest++;
-    values[SIGNAL_LEFT_TWIST] = sim->work.strains[0][1];
-    values[SIGNAL_RIGHT_TWIST] = sim->work.strains[last][1];
-    values[SIGNAL_LOOP_TWIST] = sim->work.strains[lowest][1];
+    values[SIGNAL_LEFT_TWIST] = sim->work.strains[0][STRAIN_TAU];
+    values[SIGNAL_RIGHT_TWIST] = sim->work.strains[last][STRAIN_TAU];
+    values[SIGNAL_LOOP_TWIST] = sim->work.strains[lowest][STRAIN_TAU];
 }
 
 static void contact_signals(Simulator *sim, double *values) {

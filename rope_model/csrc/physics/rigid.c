@@ -21,16 +21,16 @@ RopeStatus hanging_guess(int nodes, const double *s, const double left[3], const
     double length = s[nodes - 1];
     double across[3] = {right[0] - left[0], 0.0, right[2] - left[2]};
     double width = hypot(across[0], across[2]);
-    if (width == 0) return say_ends_above_each_other(message, fabs(left[1] - right[1]));
+    if (width == 0) return say_ends_above_each_other(message, fabs(left[UP] - right[UP]));
     for (int axis = 0; axis < 3; axis++) across[axis] /= width;
-    double middle = 0.5 * (length + left[1] - right[1]); /* arc length of the lowest point */
+    double middle = 0.5 * (length + left[UP] - right[UP]); /* arc length of the lowest point */
     /* length of the elements there */
     const int e = middle_before(nodes, s, 0, middle);
     const double cell =
         interpolate_midpoints(nodes, s, e, middle, s[e + 1] - s[e], e < nodes - 2 ? s[e + 2] - s[e + 1] : 0.0);
     InitialShape legs = initial_shape(length, middle, width, cell);
     if (minimum(legs.left_leg, legs.right_leg) <= legs.lean)
-        return say_rope_too_short(message, length, width, fabs(left[1] - right[1]));
+        return say_rope_too_short(message, length, width, fabs(left[UP] - right[UP]));
     for (int k = 0; k < nodes; k++) initial_shape_node_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
     return ROPE_DONE;
 }
@@ -39,7 +39,7 @@ RopeStatus hanging_guess(int nodes, const double *s, const double left[3], const
 static void flow_velocities(int nodes, const double *q, Flow flow, double *v) {
     for (int i = 0; i < nodes * DOF; i += DOF) {
         for (int k = 0; k < 3; k++) v[i + k] = -flow.u * q[i + SLOPE + k];
-        v[i + 1] += flow.w;
+        v[i + UP] += flow.w;
         for (int k = SLOPE; k < DOF; k++) v[i + k] = 0.0;
     }
 }
@@ -71,14 +71,14 @@ RopeStatus rigid_rope(const Scene *scene, const EndMotion ends[2], double t, con
         const double acceleration[3] = {end->ax, end->ay, end->az};
         memcpy(v + row, speed, sizeof speed);
         memcpy(a + row, acceleration, sizeof acceleration);
-        reaction[row + 1] = tensions.at_ends[side];
+        reaction[row + UP] = tensions.at_ends[side];
     }
     return ROPE_DONE;
 }
 
 void rigid_tension(const NodalArrays *arrays, double rho, double gravity, int points, const double *places,
                    const double *y, double *tension) {
-    Flow rate = inextensible_flow(arrays->a[1], end_row(arrays->a, arrays->nodes, RIGHT)[1]);
+    Flow rate = inextensible_flow(arrays->a[UP], end_row(arrays->a, arrays->nodes, RIGHT)[UP]);
     for (int k = 0; k < points; k++)
-        tension[k] = inextensible_tension(rho, gravity, &rate, arrays->reaction[1], y[k] - arrays->q[1], places[k]);
+        tension[k] = inextensible_tension(rho, gravity, &rate, arrays->reaction[UP], y[k] - arrays->q[UP], places[k]);
 }

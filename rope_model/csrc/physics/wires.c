@@ -18,6 +18,10 @@
 #include "rope.h"
 #include "state_structures.h"
 
+/* numbers of an element's history behind those of its points */
+enum { SLIP_CURVATURE, STIFFNESS };
+enum { COMPONENTS = 3 }; /* of z */
+
 static const double CELLS[] = WIRE_CELLS; /* bounds of the points' cells, element coordinates */
 
 /* Section of an element at a point.  Sections do not turn without torsion, even if the ends have theta. */
@@ -35,11 +39,12 @@ void wires_history(const Rope *rope, State *state, const double *q, double (*str
         double *history = wires + (ptrdiff_t)e * WIRE_ELEMENT_HISTORY_SIZE;
         for (int k = 0; k < WIRE_POINTS; k++, history += WIRE_FRICTION_POINT_STATE_SIZE) {
             read_section(state, &nodal, q, e, k, history);
-            memcpy(history + WIRE_FRICTION_POINT_STATE_SIZE - 3, nodal.z + (ptrdiff_t)e * WIRE_Z + 3 * k,
-                   3 * sizeof *history);
+            memcpy(history + WIRE_FRICTION_POINT_STATE_SIZE - COMPONENTS,
+                   nodal.z + (ptrdiff_t)e * WIRE_Z + COMPONENTS * k, COMPONENTS * sizeof *history);
         }
-        history[0] = wire_friction_slip_curvature(rope, stiffness, strains[e][0], strains[e][1]);
-        history[1] = stiffness;
+        history[SLIP_CURVATURE] =
+            wire_friction_slip_curvature(rope, stiffness, strains[e][STRAIN_E], strains[e][STRAIN_TAU]);
+        history[STIFFNESS] = stiffness;
     }
 }
 
@@ -54,30 +59,31 @@ double update_hysteresis(const double *wires, State *state, const double *q) {
         double now[WIRE_FRICTION_POINT_STATE_SIZE];
         for (int k = 0; k < WIRE_POINTS; k++, before += WIRE_FRICTION_POINT_STATE_SIZE) {
             read_section(state, &nodal, q, e, k, now);
-            const BoucWenStep step = wire_friction_bouc_wen_step(before, now, law[0]);
-            memcpy(nodal.z + (ptrdiff_t)e * WIRE_Z + 3 * k, step.z, sizeof step.z);
-            dissipated += law[1] * nodal.lengths[e] * weights[k] * step.dissipated;
+            const BoucWenStep step = wire_friction_bouc_wen_step(before, now, law[SLIP_CURVATURE]);
+            memcpy(nodal.z + (ptrdiff_t)e * WIRE_Z + COMPONENTS * k, step.z, sizeof step.z);
+            dissipated += law[STIFFNESS] * nodal.lengths[e] * weights[k] * step.dissipated;
         }
     }
     return dissipated;
 }
 
 /* Mean of z over arc lengths between `from` and `to`; z is constant in the cell of a point. */
-static void mean_between(const double *z, const double *s, int elements, double from, double to, double mean[3]) {
+static void mean_between(const double *z, const double *s, int elements, double from, double to,
+                         double mean[COMPONENTS]) {
     const double close = 1e-9 * s[elements];
-    memset(mean, 0, 3 * sizeof *mean);
+    memset(mean, 0, COMPONENTS * sizeof *mean);
     for (int e = 0; e < elements && s[e] < to; e++) {
         if (!(s[e + 1] > from)) continue;
         for (int k = 0; k < WIRE_POINTS; k++) {
             const double l = s[e + 1] - s[e], begin = s[e] + l * CELLS[k], end = s[e] + l * CELLS[k + 1];
-            const double *point_z = z + (ptrdiff_t)e * WIRE_Z + 3 * k;
+            const double *point_z = z + (ptrdiff_t)e * WIRE_Z + COMPONENTS * k;
             const double fraction = (fmin(end, to) - fmax(begin, from)) / (to - from);
             if (fabs(begin - from) <= close && fabs(end - to) <= close) {
-                memcpy(mean, point_z, 3 * sizeof *mean);
+                memcpy(mean, point_z, COMPONENTS * sizeof *mean);
                 return;
             }
             if (!(fraction > 0)) continue;
-            for (int i = 0; i < 3; i++) mean[i] += fraction * point_z[i];
+            for (int i = 0; i < COMPONENTS; i++) mean[i] += fraction * point_z[i];
         }
     }
 }
@@ -89,7 +95,8 @@ void wires_carry(State *state, const double *old_s, double *before) {
     for (int e = 0; e < nodal.elements; e++)
         for (int k = 0; k < WIRE_POINTS; k++)
             mean_between(before, old_s, nodal.elements, nodal.s[e] + nodal.lengths[e] * CELLS[k],
-                         nodal.s[e] + nodal.lengths[e] * CELLS[k + 1], nodal.z + (ptrdiff_t)e * WIRE_Z + 3 * k);
+                         nodal.s[e] + nodal.lengths[e] * CELLS[k + 1],
+                         nodal.z + (ptrdiff_t)e * WIRE_Z + COMPONENTS * k);
 }
 
 bool start_hysteresis(const double *wires, State *state) {

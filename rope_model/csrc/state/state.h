@@ -21,7 +21,7 @@ static inline const double *end_row(const double *x, int nodes, int side) {
 static inline int lowest_node(int nodes, const double *q) {
     int lowest = 0;
     for (int k = 1; k < nodes; k++)
-        if (q[(ptrdiff_t)DOF * k + 1] < q[(ptrdiff_t)DOF * lowest + 1]) lowest = k;
+        if (q[(ptrdiff_t)DOF * k + UP] < q[(ptrdiff_t)DOF * lowest + UP]) lowest = k;
     return lowest;
 }
 

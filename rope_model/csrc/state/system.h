@@ -37,7 +37,7 @@ typedef struct {
 
 /* Return the tension at an end, which is plumb or not, from its rows of q and of the reaction. */
 static inline double tension_at_end(bool plumb, int side, const double *q, const double *reaction) {
-    return plumb ? reaction[1] : swivel_tension_along(side ? 1 : -1, q + SLOPE, reaction);
+    return plumb ? reaction[UP] : swivel_tension_along(side ? 1 : -1, q + SLOPE, reaction);
 }
 
 /* Interpolate r, or its speed, in an element with shape functions N. */

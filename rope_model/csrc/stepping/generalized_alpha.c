@@ -53,12 +53,14 @@ double recentring(const Coefficients *method, double h, double before) {
     return rate_known(h, before) ? generalized_alpha_recentring_time(method, h, before) : 0;
 }
 
-static void predict(const NodalArrays *old, double h, double ahead, const double w[6], double *RESTRICT q,
-                    double *RESTRICT v, double *RESTRICT a) {
+/* Predict q, v and a at the end of a step h; the acceleration continues at its rate for the time `ahead`. */
+static void predict(const NodalArrays *old, double h, double ahead, const PredictionWeights *weights,
+                    double *RESTRICT q, double *RESTRICT v, double *RESTRICT a) {
     const NodalArrays nodal = *old;
+    const PredictionWeights w = *weights;
     for (int i = 0; i < nodal.nodes * DOF; i++) {
-        q[i] = nodal.q[i] + h * nodal.v[i] + w[0] * nodal.a[i] + w[2] * nodal.b[i] + w[4] * nodal.a_rate[i];
-        v[i] = nodal.v[i] + w[1] * nodal.a[i] + w[3] * nodal.b[i] + w[5] * nodal.a_rate[i];
+        q[i] = nodal.q[i] + h * nodal.v[i] + w.q_a * nodal.a[i] + w.q_b * nodal.b[i] + w.q_rate * nodal.a_rate[i];
+        v[i] = nodal.v[i] + w.v_a * nodal.a[i] + w.v_b * nodal.b[i] + w.v_rate * nodal.a_rate[i];
         a[i] = nodal.a[i] + ahead * nodal.a_rate[i];
     }
 }
@@ -71,12 +73,11 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
     const double time_shift = recentring(&method, h, state->h);
     const double ahead = rate_known(h, state->h) && !state->rubs ? h : 0;
     const TangentCoefficients c = generalized_alpha_newton_coefficients(&method, h);
-    double w[6], aux[4];
+    const PredictionWeights prediction = generalized_alpha_prediction_weights(&method, h, time_shift, ahead);
+    const AuxiliaryWeights auxiliary = generalized_alpha_auxiliary_weights(&method, time_shift);
     bool finite = true;
     StepResult result = {.t = state->t + h, .h = h, .error = INFINITY};
-    generalized_alpha_prediction_weights(&method, h, time_shift, ahead, w);
-    generalized_alpha_auxiliary_weights(&method, time_shift, aux);
-    predict(&old, h, ahead, w, now->q, now->v, now->a);
+    predict(&old, h, ahead, &prediction, now->q, now->v, now->a);
     rope_system_prescribed_motion(&sim->scene, state, result.t, 3, (double *[]){now->q, now->v, now->a});
     sys->time = result.t;
     memcpy(now->reaction, old.reaction, sizeof(double) * size);
@@ -91,7 +92,7 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
     result.converged = result.newton.status == CONVERGED;
     if (!result.converged) return result;
     for (size_t i = 0; i < size; i++) {
-        now->b[i] = aux[0] * old.a[i] + aux[1] * old.b[i] + aux[2] * old.a_rate[i] + aux[3] * now->a[i];
+        now->b[i] = auxiliary.a * old.a[i] + auxiliary.b * old.b[i] + auxiliary.a_rate * old.a_rate[i] + auxiliary.a_end * now->a[i];
         now->a_rate[i] = (now->a[i] - old.a[i]) / h;
     }
     const double *change = resolved_change(sim, chain, sys, c.a, old.a);

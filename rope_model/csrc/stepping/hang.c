@@ -102,7 +102,7 @@ static void put_floor(Scene *scene, Obstacles *obstacles, double level) {
 static RopeStatus lay_down(Simulator *sim, State *state, char *message) {
     const Shaft shaft = sim->scene.shaft;
     const NodalArrays nodal = state_arrays(state);
-    const double lowest = nodal.q[(size_t)lowest_node(nodal.nodes, nodal.q) * DOF + 1];
+    const double lowest = nodal.q[(size_t)lowest_node(nodal.nodes, nodal.q) * DOF + UP];
     const double below = shaft.contact.stiffness > 0 ? shaft.sump.level - lowest : 0;
     const int parts = below > 0 ? (int)fmin(ceil(below / STATICS_FLOOR_STEP), STATICS_MAX_FLOOR_STEPS) : 0;
     RopeStatus found = ROPE_DONE;

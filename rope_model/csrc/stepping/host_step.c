@@ -97,7 +97,7 @@ static void add_rigid_impulse(const Scene *scene, State *state, double begin, co
     const EndMotion left = end_path_at(&state->paths[LEFT], middle), right = end_path_at(&state->paths[RIGHT], middle);
     const RigidTensions between = inextensible_rigid_tensions(&scene->rope, &scene->layout, &left, &right);
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double now = end_row(nodal.reaction, nodal.nodes, side)[1];
+        const double now = end_row(nodal.reaction, nodal.nodes, side)[UP];
         impulse[side] += h / 6 * (before[side] + 4 * between.at_ends[side] + now);
     }
 }

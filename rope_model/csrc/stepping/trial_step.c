@@ -21,9 +21,12 @@
 #include "system.h"
 #include "wires.h"
 
+/* components of a load: force and moment */
+enum { FORCE_X, FORCE_Y, FORCE_Z, MOMENT_X, MOMENT_Y, MOMENT_Z };
+
 /* Return the relative vertical speed of the ends, m/s. */
 static double relative_end_speed(const NodalArrays *nodal) {
-    return nodal->v[1] - end_row(nodal->v, nodal->nodes, RIGHT)[1];
+    return nodal->v[UP] - end_row(nodal->v, nodal->nodes, RIGHT)[UP];
 }
 
 /* Load of conveyances, bodies and air on the rope: force and moment about the origin, vertical forces of the ends. */
@@ -32,17 +35,21 @@ static void load_on(const Scene *scene, const Chain *chain, State *state, const 
     double contact[CONTACT_BALANCE], air[AIR_BALANCE];
     external_sums(sys, nodal.q, nodal.v, contact);
     chain->air(sys, nodal.q, nodal.v, air);
-    for (int k = 0; k < 6; k++) load[k] = contact[CONTACT_LOAD + k] + air[1 + k];
+    for (int k = 0; k < 6; k++) load[k] = contact[CONTACT_LOAD + k] + air[AIR_FX + k];
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *q = end_row(nodal.q, nodal.nodes, side);
         const double *R = end_row(nodal.reaction, nodal.nodes, side);
         double one[6];
         audit_end_load(q, R, ends_moment(scene, state, &nodal, side), one);
         for (int k = 0; k < 6; k++) load[k] += one[k];
-        load[AUDIT_END_LOADS + side] = R[1];
+        load[AUDIT_END_LOADS + side] = R[UP];
     }
     /* A planar rope has no load across its plane. */
-    if (state->fidelity == PLANAR) load[2] = load[3] = load[4] = 0;
+    if (state->fidelity == PLANAR) {
+        load[FORCE_Z] = 0;
+        load[MOMENT_X] = 0;
+        load[MOMENT_Y] = 0;
+    }
 }
 
 static void restart_audit(const Scene *scene, const Chain *chain, State *state, const System *sys) {
@@ -64,7 +71,7 @@ void begin_audit(const Simulator *sim, State *state) {
 
 /* Return the vertical reaction at an end, N. */
 static double vertical_reaction(const NodalArrays *nodal, int side) {
-    return end_row(nodal->reaction, nodal->nodes, side)[1];
+    return end_row(nodal->reaction, nodal->nodes, side)[UP];
 }
 
 /* Audit a step of length h; `before` has the vertical reactions of the ends at its start. */
@@ -144,7 +151,8 @@ void update_angles(Simulator *sim, State *state, double *q, double *v, double *a
 
 void rope_powers(const Scene *scene, State *state) {
     const NodalArrays nodal = state_arrays(state);
-    state->power_ends = state->power_swivel = 0;
+    state->power_ends = 0;
+    state->power_swivel = 0;
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *R = end_row(nodal.reaction, nodal.nodes, side);
         const double *v = end_row(nodal.v, nodal.nodes, side);
@@ -220,16 +228,16 @@ static void move_to_middle(const NodalArrays *nodal, const NodalArrays *trial, d
    the sums of its error. */
 static StepLosses losses_in_middle(const Scene *scene, const Chain *chain, const System *sys, State *state, double h) {
     const NodalArrays middle = state_arrays(state);
-    double material[2], contact[CONTACT_BALANCE], air[AIR_BALANCE];
+    double material[LOSSES], contact[CONTACT_BALANCE], air[AIR_BALANCE];
     chain->losses(sys, middle.q, middle.v, material);
     external_sums(sys, middle.q, middle.v, contact);
     state->contact = add_contact(scene, &state->contact, h, contact + CONTACT_FORCES, longest_near(sys));
     chain->air(sys, middle.q, middle.v, air);
-    return (StepLosses){.damping = material[0],
-                        .nonconservative = material[1],
+    return (StepLosses){.damping = material[DAMPING_POWER - ENERGIES],
+                        .nonconservative = material[NONCONSERVATIVE_POWER - ENERGIES],
                         .contact = contact[CONTACT_DISSIPATED],
                         .moving_bodies = contact[CONTACT_MOVED],
-                        .air = air[0]};
+                        .air = air[GIVEN_TO_AIR]};
 }
 
 /* Take the motion of the trial, with its frames. */
