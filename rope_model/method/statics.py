@@ -58,5 +58,15 @@ MIN_TWIST_STEP = 0.01  #: rad, smallest increment of twist
 #: rad, largest turn of the frame at the right end, twice the loop's yaw, on the branch of
 #: equilibria
 MAX_TURN = 2.0
-#: corrections after which twisting is given up: a fifth above the largest number of 60 drawn ropes
-MAX_CORRECTIONS = 100_000
+MAX_CORRECTIONS = 10_000  #: largest number of corrections of one equilibrium
+#: corrections of all equilibria after which twisting is given up: a fifth above the largest number
+#: of 60 drawn ropes
+MAX_TWISTING = 100_000
+#: corrections after which laying a rope down is given up: more than twice the largest number of 200
+#: drawn ropes
+MAX_LAYING = 20_000
+#: solutions for contact of the rope with itself, in all equilibria of a start, after which it is
+#: given up: some seconds.  A rope that goes on winding about itself takes ever more, as each
+#: correction has more contacts to solve for: 900 m with strong coupling had 50,000 in 3000
+#: corrections, and as large an imbalance as before
+MAX_CONTACT_SOLUTIONS = 20_000

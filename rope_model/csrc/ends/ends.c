@@ -102,10 +102,17 @@ double ends_moment(const Scene *scene, const State *state, const NodalArrays *no
     return moment_of_swivel(&scene->swivels[side], &state->swivels[side], tension, constraint_moment);
 }
 
-void ends_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]) {
+RelativeTurn ends_relative(const State *state, int side, double t, double theta, double theta_t) {
     const EndMotion now = end_path_at(&state->paths[side], t);
-    relative[0] = theta - state->offsets[side] - SENSE_OF_YAW[side] * now.yaw;
-    relative[1] = theta_t - SENSE_OF_YAW[side] * now.yaw_rate;
+    return (RelativeTurn){
+        .angle = theta - state->offsets[side] - SENSE_OF_YAW[side] * now.yaw,
+        .rate = theta_t - SENSE_OF_YAW[side] * now.yaw_rate,
+    };
+}
+
+double swivel_angle(State *state, int side) {
+    const NodalArrays nodal = state_arrays(state);
+    return ends_relative(state, side, state->t, end_row(nodal.q, nodal.nodes, side)[ANGLE], 0).angle;
 }
 
 void ends_freedom(const Scene *scene, const State *state, int side, bool free[DOF]) {

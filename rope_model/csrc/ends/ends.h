@@ -37,8 +37,15 @@ double ends_tension(const Scene *scene, const NodalArrays *nodal, int side);
 /* Return the moment about the tangent on the rope's end, N m: from the swivel's phase in `state`, and from the motion
    and the reactions in `nodal`. */
 double ends_moment(const Scene *scene, const State *state, const NodalArrays *nodal, int side);
-/* Angle and rate of the rope's end against the conveyance, from theta and its rate. */
-void ends_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]);
+/* Turn of the rope's end against its conveyance. */
+typedef struct {
+    double angle; /* rad */
+    double rate;  /* rad/s */
+} RelativeTurn;
+/* Return the turn at t of an end, from theta and its rate. */
+RelativeTurn ends_relative(const State *state, int side, double t, double theta, double theta_t);
+/* Return the present angle of an end against its conveyance, rad. */
+double swivel_angle(State *state, int side);
 /* Write which degrees of freedom of an end are not prescribed. */
 void ends_freedom(const Scene *scene, const State *state, int side, bool free[DOF]);
 /* Prescribed q, v and a of an end. */

@@ -97,8 +97,7 @@ static RopeStatus initialize(Simulator *sim, double t, const EndMotion ends[2]) 
     if (!(state->fidelity == RIGID ? as_rigid(sim, state, t, message) : hang(sim, state, ends, message)))
         return ROPE_FAILED;
     if (start_hysteresis(sim->reference.wires, state)) rope_system_refer(sim, state, nodal.q);
-    for (int side = LEFT; side <= RIGHT; side++)
-        state->force_mean[side] = -end_row(nodal.reaction, nodal.nodes, side)[UP];
+    for (int side = LEFT; side <= RIGHT; side++) state->force_mean[side] = -vertical_reaction(&nodal, side);
     state->energy_balance.start = energy_balance_total(&state->energy_balance);
     state->event_count = 0;
     begin_audit(sim, state);

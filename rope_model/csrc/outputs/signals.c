@@ -45,7 +45,9 @@ static void end_signals(Simulator *sim, double *values) {
         const double *reaction = end_row(nodal.reaction, nodal.nodes, side);
         const double torque = ends_moment(&sim->scene, state, &nodal, side);
         frame_conveyance_load(q, reaction, torque, values + SIGNAL_LEFT_FX);
-        ends_relative(state, side, state->t, q[ANGLE], v[ANGLE], values + SIGNAL_LEFT_SWIVEL_ANGLE);
+        const RelativeTurn turn = ends_relative(state, side, state->t, q[ANGLE], v[ANGLE]);
+        values[SIGNAL_LEFT_SWIVEL_ANGLE] = turn.angle;
+        values[SIGNAL_LEFT_SWIVEL_RATE] = turn.rate;
         values[SIGNAL_LEFT_FY_MEAN] = state->force_mean[side];
         values[SIGNAL_LEFT_SWIVEL_TORQUE] = torque;
         values[SIGNAL_LEFT_SWIVEL_SLIPPING] = state->swivels[side].phase == SLIP;

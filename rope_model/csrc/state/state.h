@@ -17,6 +17,11 @@ static inline const double *end_row(const double *x, int nodes, int side) {
     return x + end_index(nodes, side);
 }
 
+/* Return the vertical reaction at an end, N. */
+static inline double vertical_reaction(const NodalArrays *nodal, int side) {
+    return end_row(nodal->reaction, nodal->nodes, side)[UP];
+}
+
 /* Return the node with the least height. */
 static inline int lowest_node(int nodes, const double *q) {
     int lowest = 0;

@@ -56,13 +56,15 @@ static RopeStatus equilibrium_in_frame(Simulator *sim, State *state, double max_
 /* Add twist in steps, each to an equilibrium.  `spare` has the state before the latest step. */
 static RopeStatus turn_in(Simulator *sim, State *state, double twist, char *message) {
     const NodalArrays nodal = state_arrays(state);
-    double left = twist, beyond = INFINITY, size = STATICS_TWIST_STEP;
+    double left = twist;              /* still to be added */
+    double beyond = INFINITY;         /* twist left behind a step that turned the loop too far */
+    double size = STATICS_TWIST_STEP; /* of the next step */
     while (left != 0) {
         size = fmin(size, 0.5 * fabs(left - beyond));
         const double step = size < fabs(left) ? copysign(size, twist) : left;
         const bool last = fabs(step) <= STATICS_MIN_TWIST_STEP;
         char why[MESSAGE];
-        if (sim->search.corrections >= STATICS_MAX_CORRECTIONS) {
+        if (sim->search.corrections >= STATICS_MAX_TWISTING) {
             say_takes_too_long(why);
             return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)sim->search.corrections, why);
         }
@@ -89,9 +91,6 @@ static RopeStatus turn_in(Simulator *sim, State *state, double twist, char *mess
     return ROPE_DONE;
 }
 
-/* Corrections after which laying a rope down is given up: more than twice the largest number of 200 drawn ropes. */
-enum { MAX_LAYING = 20000 };
-
 static void put_floor(Scene *scene, Obstacles *obstacles, double level) {
     scene->shaft.sump.level = level;
     obstacles->cache.free = 0; /* distances to the floor are others now */
@@ -109,7 +108,7 @@ static RopeStatus lay_down(Simulator *sim, State *state, char *message) {
     for (int k = 0; k < parts && found; k++) {
         put_floor(&sim->scene, sim->obstacles, lowest + below * k / parts);
         found = equilibrium_in_frame(sim, state, INFINITY, message);
-        if (found && sim->search.corrections > MAX_LAYING) {
+        if (found && sim->search.corrections > STATICS_MAX_LAYING) {
             say_not_laid_down(message, (int)sim->search.corrections, below * k / parts, below, shaft.sump.level);
             found = ROPE_FAILED;
         }
@@ -163,7 +162,7 @@ static RopeStatus hang_while_it_turns(Simulator *sim, State *state, const Before
  */
 static RopeStatus relax(Simulator *sim, State *state, const Before *before, char *message) {
     const NodalArrays nodal = state_arrays(state);
-    double sign[2] = {0, 0}, relative[2];
+    double sign[2] = {0, 0};
     do {
         int loosest = -1;
         double least = INFINITY;
@@ -187,8 +186,7 @@ static RopeStatus relax(Simulator *sim, State *state, const Before *before, char
             return ROPE_FAILED;
         for (int side = LEFT; side <= RIGHT; side++) {
             if (sign[side] == 0) continue;
-            ends_relative(state, side, state->t, end_row(nodal.q, nodal.nodes, side)[ANGLE], 0, relative);
-            state->swivels[side] = (SwivelState){.angle = relative[0], .phase = LOCKED};
+            state->swivels[side] = (SwivelState){.angle = swivel_angle(state, side), .phase = LOCKED};
         }
         if (!equilibrium_in_frame(sim, state, INFINITY, message)) return ROPE_FAILED;
     } while (is_curved(sim->reference.curved, &sim->scene.rope, state->fidelity));

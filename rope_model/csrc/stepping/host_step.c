@@ -93,11 +93,13 @@ static void cut_paths(const Scene *scene, const State *before, State *state, dou
 static void add_rigid_impulse(const Scene *scene, State *state, double begin, const double before[2],
                               double impulse[2]) {
     const NodalArrays nodal = state_arrays(state);
-    const double h = state->t - begin, middle = begin + 0.5 * h;
-    const EndMotion left = end_path_at(&state->paths[LEFT], middle), right = end_path_at(&state->paths[RIGHT], middle);
+    const double h = state->t - begin;
+    const double middle = begin + 0.5 * h;
+    const EndMotion left = end_path_at(&state->paths[LEFT], middle);
+    const EndMotion right = end_path_at(&state->paths[RIGHT], middle);
     const RigidTensions between = inextensible_rigid_tensions(&scene->rope, &scene->layout, &left, &right);
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double now = end_row(nodal.reaction, nodal.nodes, side)[UP];
+        const double now = vertical_reaction(&nodal, side);
         impulse[side] += h / 6 * (before[side] + 4 * between.at_ends[side] + now);
     }
 }
@@ -110,49 +112,76 @@ static void set_mean_forces(State *state, double h, const double before[2], cons
         state->force_mean[side] = -(now[side] - before[side] + rigid[side]) / h;
 }
 
-RopeStatus take_host_step(Simulator *sim, const HostStep *host, int *event) {
+/* Make `next` a copy of the state, whose ends move to the host's stop. */
+static RopeStatus begin_host_step(Simulator *sim, const HostStep *host) {
     State *state = sim->next;
-    const EndMotion *ends = host->ends;
-    const double begin = sim->state->t, step_max = sim->scene.solver.step_max;
-    const int64_t steps_before = sim->state->counts.steps + sim->state->counts.rejections;
-    double t = host->stop;
-    *event = 0;
+    const int work_max = sim->scene.solver.work_max;
     memcpy(state, sim->state, sim->state_bytes);
     rope_system_adopt(sim, state);
-    state->switched = state->event_count = 0;
-    sim->newton_limit =
-        state->counts.newton + (sim->scene.solver.work_max > 0 ? sim->scene.solver.work_max : INT32_MAX);
-    if (!move_ends(sim, state, t, ends, host->given_at)) return ROPE_FAILED;
+    state->switched = 0;
+    state->event_count = 0;
+    sim->newton_limit = state->counts.newton + (work_max > 0 ? work_max : INT32_MAX);
+    return move_ends(sim, state, host->stop, host->ends, host->given_at);
+}
+
+/* Refuse a communication step to `stop` that takes too much work. */
+static RopeStatus check_work(Simulator *sim, const State *state, double stop) {
+    const Counts *before = &sim->state->counts;
+    const double begin = sim->state->t;
+    const int64_t newton = state->counts.newton - before->newton;
+    const int64_t steps = state->counts.steps + state->counts.rejections - (before->steps + before->rejections);
+    if ((double)newton >= stepping_max_iterations(stop - begin, sim->scene.solver.step_max))
+        return say_too_much_work(sim->message, state->t, (int)newton, begin, stop);
+    if (steps >= STEPPING_MAX_STEPS) return say_too_many_steps(sim->message, state->t, STEPPING_MAX_STEPS, begin, stop);
+    return ROPE_DONE;
+}
+
+/* Take one internal step towards `stop`; add what a rigid rope exerts on its ends to rigid_impulse. */
+static RopeStatus take_internal_step(Simulator *sim, State *state, double stop, double rigid_impulse[2]) {
     const NodalArrays nodal = state_arrays(state);
-    const double *audited = state->audit.impulse + AUDIT_END_LOADS;
-    const double already[2] = {audited[LEFT], audited[RIGHT]};
+    const double t = state->t;
+    const double reactions[2] = {vertical_reaction(&nodal, LEFT), vertical_reaction(&nodal, RIGHT)};
+    char why[MESSAGE];
+    if (!step_towards(sim, state, stop, why)) return say_fails_at(sim->message, t, why);
+    if (state->fidelity == RIGID) add_rigid_impulse(&sim->scene, state, t, reactions, rigid_impulse);
+    return ROPE_DONE;
+}
+
+/* Record passages and guards at the end of the step to `stop`, and on the way every so often. */
+static void monitor(Simulator *sim, State *state, double stop) {
+    if (state->t < stop && state->t - state->monitored_at < BODIES_MONITOR_INTERVAL) return;
+    update_passages(&sim->scene, sim->self_contact, state);
+    update_guards(&sim->scene, state);
+}
+
+/* Audit a communication step of length h, and remember whether it has given up accuracy. */
+static void finish_host_step(Simulator *sim, State *state, double h) {
+    audit_interval(sim, state, h, energy_balance_residual(&sim->state->energy_balance));
+    state->last_interval = h;
+    if (state->counts.given_up > 0 && sim->state->counts.given_up == 0) state->given_up_since = sim->state->t;
+}
+
+RopeStatus take_host_step(Simulator *sim, const HostStep *host, int *event) {
+    State *state = sim->next;
+    const double begin = sim->state->t;
+    double stop = host->stop;
     double rigid_impulse[2] = {0, 0};
-    const double most = stepping_max_iterations(t - begin, step_max);
-    const int64_t newton_before = sim->state->counts.newton;
-    while (state->t < t) {
-        const double t_before = state->t,
-                     before[2] = {nodal.reaction[1], end_row(nodal.reaction, nodal.nodes, RIGHT)[1]};
-        char why[MESSAGE];
-        const int64_t newton = state->counts.newton - newton_before;
-        if ((double)newton >= most) return say_too_much_work(sim->message, t_before, (int)newton, begin, t);
-        if (state->counts.steps + state->counts.rejections - steps_before >= STEPPING_MAX_STEPS)
-            return say_too_many_steps(sim->message, t_before, STEPPING_MAX_STEPS, begin, t);
-        if (!step_towards(sim, state, t, why)) return say_fails_at(sim->message, t_before, why);
-        if (state->t >= t || state->t - state->monitored_at >= BODIES_MONITOR_INTERVAL) {
-            update_passages(&sim->scene, sim->self_contact, state);
-            update_guards(&sim->scene, state);
-        }
+    *event = 0;
+    if (!begin_host_step(sim, host)) return ROPE_FAILED;
+    const double *audited = state->audit.impulse + AUDIT_END_LOADS;
+    const double audited_before[2] = {audited[LEFT], audited[RIGHT]};
+    while (state->t < stop) {
+        if (!check_work(sim, state, host->stop)) return ROPE_FAILED;
+        if (!take_internal_step(sim, state, stop, rigid_impulse)) return ROPE_FAILED;
+        monitor(sim, state, stop);
         if (host->to_event) *event |= has_event(&sim->scene, sim->state, state);
-        if (*event && state->t < t && state->t - begin >= SWIVEL_PHASES_CHATTER_TIME) {
-            t = state->t; /* last round */
-            cut_paths(&sim->scene, sim->state, state, t, ends, host->given_at);
+        if (*event && state->t < stop && state->t - begin >= SWIVEL_PHASES_CHATTER_TIME) {
+            stop = state->t;
+            cut_paths(&sim->scene, sim->state, state, stop, host->ends, host->given_at);
         }
-        if (state->fidelity == RIGID) add_rigid_impulse(&sim->scene, state, t_before, before, rigid_impulse);
     }
-    set_mean_forces(state, t - begin, already, rigid_impulse);
+    set_mean_forces(state, stop - begin, audited_before, rigid_impulse);
     if (*event && state->fidelity != RIGID) release_swivels(sim, state);
-    audit_interval(sim, state, t - begin, energy_balance_residual(&sim->state->energy_balance));
-    state->last_interval = t - begin;
-    if (state->counts.given_up > 0 && sim->state->counts.given_up == 0) state->given_up_since = begin;
+    finish_host_step(sim, state, stop - begin);
     return ROPE_DONE;
 }

@@ -35,11 +35,6 @@
 #include "state_structures.h"
 #include "system.h"
 
-/* MAX_SOLUTIONS: of all equilibria of a start, some seconds.  A rope that goes on winding about itself takes ever more,
-   as each correction has more contacts to solve for: 900 m with strong coupling had 50,000 in 3000 corrections, and as
-   large an imbalance as before. */
-enum { MAX_ITERATIONS = 10000, MAX_SOLUTIONS = 20000 };
-
 /* Return the work of the residual R along x, which is zero where the rope is held. */
 static double work_along(const System *sys, const double *R, const double *x) {
     double work = 0;
@@ -86,77 +81,127 @@ static void hold(Simulator *sim, State *state) {
     rope_system_refer(sim, state, nodal.q);
 }
 
-RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char *message) {
+/* A search for an equilibrium. */
+typedef struct {
+    Simulator *sim;
+    State *state;
+    const Chain *chain;
+    System sys;
+    NodalArrays rest;    /* arrays of the state, with zeros for v and a */
+    double *R;           /* residual before a correction */
+    double rounding;     /* unbalanced force that rounding leaves, N */
+    double largest_move; /* by a correction, m or rad */
+    bool symmetric;     /* false if the tangent lacks a part of the law without energy, for which relaxation makes up */
+    double tau;         /* pseudo-time step, s */
+    double relaxed;     /* part of the latest correction that was taken */
+    double whole_error; /* error before that correction, if it was taken whole; else 0 */
+    double turned;      /* change of theta at the right end so far, rad */
+    int balanced;       /* corrections that left forces balanced to rounding */
+} Search;
+
+static Search begin_search(Simulator *sim, State *state) {
     const NodalArrays nodal = state_arrays(state);
-    hold(sim, state);
-    const System sys = rope_system(sim, state);
-    const Chain *chain = chain_of(sim, state);
-    const size_t size = (size_t)nodal.nodes * DOF;
-    const size_t bytes = sizeof(double) * size;
-    double *trial = sim->work.trial.q;
-    double *zeros = sim->work.trial.v;
-    double *R = sim->work.trial.a;
-    double *now = sim->work.trial.b;
-    double *x = sim->work.x;
-    double balance[ENERGIES];
-    const bool shortened = statics_lacks_symmetry(sys.P[P_QS], sys.P[P_QK]) > 0;
-    const double largest = fmin(STATICS_MAX_MOVE, 0.5 * bodies_min_body_thickness(&sim->scene));
     const double length = nodal.s[nodal.elements];
-    const double rounding = STATICS_ROUNDED * DBL_EPSILON * sim->scene.rope.Qa * length / sys.shortest;
-    Correction correction = {0};
-    double tau = STATICS_FIRST_TIME;
-    double turned = 0;
-    double relaxed = 1; /* part of a correction that is taken */
-    double last = 0;    /* error before the latest correction, if it was taken whole */
-    int balanced = 0;
-    int k;
+    Search search = {.sim = sim,
+                     .state = state,
+                     .chain = chain_of(sim, state),
+                     .sys = rope_system(sim, state),
+                     .rest = nodal,
+                     .R = sim->work.trial.b,
+                     .largest_move = fmin(STATICS_MAX_MOVE, 0.5 * bodies_min_body_thickness(&sim->scene)),
+                     .tau = STATICS_FIRST_TIME,
+                     .relaxed = 1};
+    search.rest.v = sim->work.trial.v;
+    search.rest.a = sim->work.trial.v;
+    memset(sim->work.trial.v, 0, sizeof(double) * DOF * (size_t)nodal.nodes);
+    search.rounding = STATICS_ROUNDED * DBL_EPSILON * sim->scene.rope.Qa * length / search.sys.shortest;
+    search.symmetric = statics_lacks_symmetry(search.sys.P[P_QS], search.sys.P[P_QK]) == 0;
     sim->search.turned = false;
-    memset(zeros, 0, bytes);
-    NodalArrays rest = nodal;
-    rest.v = zeros;
-    rest.a = zeros;
-    for (k = 0; k < MAX_ITERATIONS && tau >= STATICS_SHORTEST_TIME; k++) {
-        sim->search.corrections++;
-        const int64_t solutions = sim->self_contact->solutions;
-        const TangentCoefficients c = {.q = 1, .a = pow(tau, -2)};
-        chain->newton_step(&sys, sim->work.chain, &rest, &c, false, x, now);
-        correction.force = imbalance(&sys, now);
-        sim->search.solutions += sim->self_contact->solutions - solutions;
-        if (sim->search.solutions > MAX_SOLUTIONS)
-            return say_winds_about_itself(message, correction.force, MAX_SOLUTIONS);
-        const double move = chain_norm(&sys, x, 1);
-        const double norm = chain_norm(&sys, x, sys.shortest);
+    return search;
+}
+
+/* Solve for a correction x, with the residual before it. */
+static Correction solve_correction(Search *search, double *x) {
+    Simulator *sim = search->sim;
+    const TangentCoefficients c = {.q = 1, .a = pow(search->tau, -2)};
+    const int64_t solutions = sim->self_contact->solutions;
+    search->chain->newton_step(&search->sys, sim->work.chain, &search->rest, &c, false, x, search->R);
+    sim->search.corrections++;
+    sim->search.solutions += sim->self_contact->solutions - solutions;
+    return (Correction){.force = imbalance(&search->sys, search->R), .error = -work_along(&search->sys, search->R, x)};
+}
+
+/* Return the part of a correction to try; `move` is its largest displacement. */
+static double part_to_try(Search *search, double error, double move) {
+    if (!search->symmetric && search->tau > STATICS_SETTLED && search->whole_error > 0)
+        search->relaxed = statics_relaxation(error / search->whole_error, search->relaxed);
+    const double part = fmin(search->relaxed, search->largest_move / fmax(move, ELEMENTARY_SMALLEST_DIVISOR));
+    /* How a step that is cut changes the error tells nothing of the tangent. */
+    search->whole_error = part < search->relaxed ? 0 : error;
+    return part;
+}
+
+/* Move by a part of x to the trial, and write what forces are unbalanced there into the correction. */
+static void try_part(const Search *search, double part, const double *x, Correction *correction) {
+    const NodalArrays *trial = &search->sim->work.trial;
+    const double *zeros = search->rest.v;
+    const size_t size = (size_t)search->rest.nodes * DOF;
+    double unused[ENERGIES];
+    for (size_t i = 0; i < size; i++) trial->q[i] = search->rest.q[i] + part * x[i];
+    search->chain->evaluate(&search->sys, trial->q, zeros, zeros, search->R, trial->a, unused);
+    correction->force_left = imbalance(&search->sys, trial->a);
+    correction->work_left = work_along(&search->sys, trial->a, x);
+}
+
+/* Make the trial the state, unless that turns the right end by more than max_turn. */
+static bool take_trial(Search *search, double max_turn) {
+    Simulator *sim = search->sim;
+    double *zeros = search->rest.v;
+    const size_t bytes = sizeof(double) * DOF * (size_t)search->rest.nodes;
+    search->turned += rope_system_transport(sim, search->state, sim->work.trial.q, zeros, zeros, zeros);
+    sim->search.turned = fabs(search->turned) > max_turn;
+    if (sim->search.turned) return false;
+    memcpy(search->rest.q, sim->work.trial.q, bytes);
+    memcpy(search->rest.reaction, sim->work.trial.a, bytes);
+    return true;
+}
+
+/* True if the correction that was taken, of this norm, ends the search. */
+static bool is_found(const Search *search, double norm) {
+    const double length = search->rest.s[search->rest.elements];
+    return search->balanced > STATICS_BALANCED ||
+           (search->tau > STATICS_NEWTON_TIME && norm < STATICS_REST_TOLERANCE * length);
+}
+
+RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char *message) {
+    hold(sim, state);
+    Search search = begin_search(sim, state);
+    Correction correction = {0};
+    double *x = sim->work.x;
+    int k;
+    for (k = 0; k < STATICS_MAX_CORRECTIONS && search.tau >= STATICS_SHORTEST_TIME; k++) {
+        correction = solve_correction(&search, x);
+        if (sim->search.solutions > STATICS_MAX_CONTACT_SOLUTIONS)
+            return say_winds_about_itself(message, correction.force, STATICS_MAX_CONTACT_SOLUTIONS);
+        const double move = chain_norm(&search.sys, x, 1);
+        const double norm = chain_norm(&search.sys, x, search.sys.shortest);
         if (!isfinite(move)) {
-            tau *= STATICS_SHRINK_OF_INFINITE;
+            search.tau *= STATICS_SHRINK_OF_INFINITE;
             continue;
         }
-        correction.error = -work_along(&sys, now, x);
-        /* The tangent lacks the part of the law without energy; relaxation makes up for it. */
-        if (shortened && tau > STATICS_SETTLED && last > 0)
-            relaxed = statics_relaxation(correction.error / last, relaxed);
-        const double step = fmin(relaxed, largest / fmax(move, ELEMENTARY_SMALLEST_DIVISOR));
-        /* How a step that is cut changes the error tells nothing of the tangent. */
-        last = step < relaxed ? 0 : correction.error;
-        for (size_t i = 0; i < size; i++) trial[i] = nodal.q[i] + step * x[i];
-        chain->evaluate(&sys, trial, zeros, zeros, now, R, balance);
-        correction.force_left = imbalance(&sys, R);
-        correction.work_left = work_along(&sys, R, x);
-        if (!accepts(&correction, rounding, k < STATICS_PATIENCE ? STATICS_MAX_GAIN : 1)) {
-            tau *= STATICS_SHRINK;
-            last = 0;
+        try_part(&search, part_to_try(&search, correction.error, move), x, &correction);
+        if (!accepts(&correction, search.rounding, k < STATICS_PATIENCE ? STATICS_MAX_GAIN : 1)) {
+            search.tau *= STATICS_SHRINK;
+            search.whole_error = 0;
             continue;
         }
-        turned += rope_system_transport(sim, state, trial, zeros, zeros, zeros);
-        sim->search.turned = fabs(turned) > max_turn;
-        if (sim->search.turned) break;
-        memcpy(nodal.q, trial, bytes);
-        memcpy(nodal.reaction, R, bytes);
-        balanced += correction.force_left <= rounding;
-        if (balanced > STATICS_BALANCED || (tau > STATICS_NEWTON_TIME && norm < STATICS_REST_TOLERANCE * length)) {
-            state->offsets[RIGHT] += turned;
+        if (!take_trial(&search, max_turn)) break;
+        search.balanced += correction.force_left <= search.rounding;
+        if (is_found(&search, norm)) {
+            state->offsets[RIGHT] += search.turned;
             return ROPE_DONE;
         }
-        tau = longer_time(tau, &correction);
+        search.tau = longer_time(search.tau, &correction);
     }
     return say_no_equilibrium(message, k, correction.force);
 }

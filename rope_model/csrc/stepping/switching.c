@@ -28,14 +28,14 @@ static double excess_of(const Scene *scene, const State *state, int side, double
     const double *q = end_row(nodal->q, nodal->nodes, side);
     const double *v = end_row(nodal->v, nodal->nodes, side);
     const double *R = end_row(nodal->reaction, nodal->nodes, side);
-    double relative[2];
-    ends_relative(state, side, t, q[ANGLE], v[ANGLE], relative);
+    const double rate = ends_relative(state, side, t, q[ANGLE], v[ANGLE]).rate;
     const double tension = ends_tension(scene, nodal, side);
-    return swivel_excess(&scene->swivels[side], &state->swivels[side], tension, R[ANGLE], relative[1]);
+    return swivel_excess(&scene->swivels[side], &state->swivels[side], tension, R[ANGLE], rate);
 }
 
 static double excess(const Scene *scene, const State *state, double t, const NodalArrays *nodal) {
-    const double left = excess_of(scene, state, LEFT, t, nodal), right = excess_of(scene, state, RIGHT, t, nodal);
+    const double left = excess_of(scene, state, LEFT, t, nodal);
+    const double right = excess_of(scene, state, RIGHT, t, nodal);
     return left >= right ? left : right;
 }
 
@@ -65,7 +65,8 @@ double next_release(const Scene *scene, const State *state) {
 typedef struct {
     Simulator *sim;
     State *state;
-    int64_t iterations, allowed; /* Newton iterations so far, and allowed */
+    int64_t iterations; /* of Newton's method so far */
+    int64_t allowed;    /* largest number of them */
 } EventSearch;
 
 static double excess_after(void *data, double h) {
@@ -81,7 +82,8 @@ Switching switching_step(Simulator *sim, State *state, StepResult *trial) {
     if (at_end < 0) return STAYS;
     const NodalArrays nodal = state_arrays(state);
     /* Keep iterations for the step to the event and the next one. */
-    EventSearch search = {sim, state, 0, sim->newton_limit - state->counts.newton - 2 * NEWTON_STEP_ITERATIONS};
+    EventSearch search = {
+        .sim = sim, .state = state, .allowed = sim->newton_limit - state->counts.newton - 2 * NEWTON_STEP_ITERATIONS};
     if (search.allowed <= 0) { /* switch at the end of the step */
         state->counts.given_up += 1;
         return SWITCHES;
@@ -103,9 +105,8 @@ static SwivelState next_phase(Simulator *sim, const State *state, const SwivelSt
     const NodalArrays nodal = state_arrays(trial);
     SwivelState now = swivels[side];
     if (now.phase == SLIP) {
-        double relative[2];
-        ends_relative(trial, side, trial->t, end_row(nodal.q, nodal.nodes, side)[ANGLE], 0, relative);
-        now = trial->swivels[side] = (SwivelState){.angle = relative[0], .phase = STICK};
+        now = (SwivelState){.angle = swivel_angle(trial, side), .phase = STICK};
+        trial->swivels[side] = now;
         rope_system_adopt(sim, trial);
         restart_motion(sim, trial);
         rope_system_adopt(sim, state);
@@ -152,15 +153,12 @@ Phases phases_of(const State *state) {
 }
 
 void set_phases(Simulator *sim, State *state, const Phases *phases) {
-    const NodalArrays nodal = state_arrays(state);
     bool changed = false;
     for (int side = LEFT; side <= RIGHT; side++) {
         SwivelState *now = &state->swivels[side];
         if (now->phase == phases->phase[side] && now->sign == phases->sign[side]) continue;
         changed = true;
-        double relative[2];
-        ends_relative(state, side, state->t, end_row(nodal.q, nodal.nodes, side)[ANGLE], 0, relative);
-        if (now->phase == SLIP && phases->phase[side] != SLIP) now->angle = relative[0];
+        if (now->phase == SLIP && phases->phase[side] != SLIP) now->angle = swivel_angle(state, side);
         now->phase = phases->phase[side];
         now->sign = phases->sign[side];
     }

@@ -69,11 +69,6 @@ void begin_audit(const Simulator *sim, State *state) {
     state->audit.interval = 0;
 }
 
-/* Return the vertical reaction at an end, N. */
-static double vertical_reaction(const NodalArrays *nodal, int side) {
-    return end_row(nodal->reaction, nodal->nodes, side)[UP];
-}
-
 /* Audit a step of length h; `before` has the vertical reactions of the ends at its start. */
 static void audit_step(const Simulator *sim, State *state, const System *sys, double h, double time_shift,
                        const double before[2]) {
@@ -161,10 +156,9 @@ void rope_powers(const Scene *scene, State *state) {
         for (int k = 0; k < 3; k++) state->power_ends += R[k] * v[k];
         if (scene->swivels[side].attachment == CLAMPED) state->power_ends += elementary_dot(R + SLOPE, v + SLOPE);
         if (state->swivels[side].phase == SLIP) {
-            double relative[2];
-            ends_relative(state, side, state->t, 0, spin, relative);
-            state->power_swivel -= moment * relative[1];
-            spin -= relative[1];
+            const double slip = ends_relative(state, side, state->t, 0, spin).rate;
+            state->power_swivel -= moment * slip;
+            spin -= slip;
         }
         state->power_ends += moment * spin;
     }
