@@ -292,7 +292,7 @@ class Scene:
 
 
 #: data class of each group of the interface
-GROUPS: dict[str, type[Any]] = {
+PARAMETER_GROUPS: dict[str, type[Any]] = {
     f"{name}.swivel" if kind is Swivel else name: kind
     for name, kind in get_type_hints(Scene).items()
     if kind is not Shaft
@@ -301,7 +301,7 @@ GROUPS: dict[str, type[Any]] = {
 #: index of a word is its code
 CHOICES = {
     f"{group.rpartition('.')[2]}.{name}": p.choices
-    for group, kind in GROUPS.items()
+    for group, kind in PARAMETER_GROUPS.items()
     for name, p in parameters_of(kind).items()
     if p.choices
 }

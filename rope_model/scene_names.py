@@ -6,7 +6,7 @@ from functools import cache
 from typing import Any, Literal, NamedTuple
 
 from rope_model.parameter_table import Parameter, numeric_bounds, parameters_of
-from rope_model.parameters import CHOICES, GROUPS, Scene
+from rope_model.parameters import CHOICES, PARAMETER_GROUPS, Scene
 from rope_model.shaft_parameters import PARTS
 from rope_model.solver_parameters import INNER_SEGMENTS, Mesh
 
@@ -64,7 +64,7 @@ class _Field(NamedTuple):
 def _fields() -> tuple[_Field, ...]:
     """Return the fields of all groups but the mesh's counts, in the order of the interface."""
     found: list[_Field] = []
-    for group, data in GROUPS.items():
+    for group, data in PARAMETER_GROUPS.items():
         for field, p in parameters_of(data).items():
             name = f"{group}.{field}"
             words = tuple(p.choices)
@@ -95,7 +95,7 @@ def _kinds() -> dict[str, str]:
 
 def named_parameters(scene: Scene) -> Iterator[NamedParameter]:
     """Yield the parameters in the order of the interface."""
-    parts = {group: _part(scene, group) for group in GROUPS}
+    parts = {group: _part(scene, group) for group in PARAMETER_GROUPS}
     for name, group, field, facts, words, kind, minimum, maximum in _fields():
         value = getattr(parts[group], field)
         code = words.index(value) if words else kind(value)

@@ -35,8 +35,8 @@ static void read_motions(const double *values, EndMotion ends[2]) {
         for (int k = 0; k < END_MOTIONS; k++) *(double *)field(&ends[side], offsets[k]) = values[ROPE_MOTIONS[side][k]];
 }
 
-/* Return true for an action of the rope that is done, false for one that has failed, with its message. */
-static bool copy_message(const ModelInstance *model, RopeStatus status, char *message) {
+/* Return true for an action of the rope that is done; else write its message, and return false. */
+static bool succeeded(const ModelInstance *model, RopeStatus status, char *message) {
     if (status == ROPE_DONE) return true;
     write_message(message, "%s", rope_message(model->sim));
     return false;
@@ -75,7 +75,7 @@ void model_destroy(ModelInstance *model) {
 bool model_initialize(ModelInstance *model, double t, const double *values, char *message) {
     EndMotion ends[2];
     read_motions(values, ends);
-    return copy_message(model, rope_initialize(model->sim, t, ends), message);
+    return succeeded(model, rope_initialize(model->sim, t, ends), message);
 }
 
 bool model_step(ModelInstance *model, double t, double h, const double *values, int *event, char *message) {
@@ -83,14 +83,14 @@ bool model_step(ModelInstance *model, double t, double h, const double *values, 
     read_motions(values, ends);
     const double given_at = model->at_step_end ? t + h : t;
     if (event && !model->at_step_end) /* only extrapolated motions are known at an event */
-        return copy_message(model, rope_advance_to_event(model->sim, t + h, ends, given_at, event), message);
-    return copy_message(model, rope_advance_to(model->sim, t + h, ends, given_at), message);
+        return succeeded(model, rope_advance_to_event(model->sim, t + h, ends, given_at, event), message);
+    return succeeded(model, rope_advance_to(model->sim, t + h, ends, given_at), message);
 }
 
 bool model_retune(ModelInstance *model, const double *values, char *message) {
     Scene before = model->scene;
     read_parameters(model, values);
-    if (copy_message(model, rope_retune(model->sim, &model->scene), message)) return true;
+    if (succeeded(model, rope_retune(model->sim, &model->scene), message)) return true;
     model->scene = before;
     return false;
 }
@@ -154,7 +154,7 @@ bool model_derivative(ModelInstance *model, size_t known, double seed, const uns
                           MODEL_VARIABLES[unknown[i]].name);
             return false;
         }
-    if (!copy_message(model, rope_load_derivative(model->sim, input, model->at_step_end, force), message)) return false;
+    if (!succeeded(model, rope_load_derivative(model->sim, input, model->at_step_end, force), message)) return false;
     for (size_t i = 0; i < count; i++) sum[i] += seed * force[ROPE_PLACES[unknown[i]].derivative];
     return true;
 }
@@ -172,5 +172,5 @@ bool model_save(const ModelInstance *model, void *to, size_t bytes, char *messag
 }
 
 bool model_restore(ModelInstance *model, const void *from, size_t bytes, char *message) {
-    return copy_message(model, rope_restore(model->sim, from, bytes), message);
+    return succeeded(model, rope_restore(model->sim, from, bytes), message);
 }

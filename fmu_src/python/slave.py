@@ -27,7 +27,7 @@ from rope_model.boundary.end_paths import EndMotion
 from rope_model.interface import Status
 from rope_model.messages.rules import first_text
 from rope_model.parameters import Scene
-from rope_model.reference.outputs import group_of
+from rope_model.reference.outputs import function_of
 from rope_model.reference.result_warnings import COMPUTED, warning_of
 from rope_model.reference.rope import ReferenceRope
 from rope_model.reference.state import State
@@ -146,7 +146,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     def compute(self, scalar: int) -> None:
         """Write the output and its group into the library's array."""
         name = self._table[scalar].name
-        group = group_of(name)
+        group = function_of(name)
         if group is None:
             raise ValueError(f"the Python flavour has no output {name}; export with --native")
         for each, value in group(self._rope.scene, self._rope.state).items():

@@ -9,9 +9,12 @@
 #include "component_data.h"
 #include "text.h"
 
-#define TIME_SLACK(t) (1e-9 + 4 * DBL_EPSILON * fabs(t)) /* s, difference allowed between times of host and model */
 #define TOLERANCE_DIGITS 1e-5 /* relative, to which a model description writes its tolerance */
-#define MIN_STEP 1e-9 /* s; shorter steps, which rounding of the host's times leaves, do not advance the model */
+/* s; shorter steps, which rounding of the host's times leaves, do not advance the model.  A model must
+   take all longer ones: the rope skips those below ROPE_MIN_INTERVAL. */
+#define TIME_RESOLUTION 1e-9
+/* s, difference allowed between times of host and model */
+#define TIME_SLACK(t) (TIME_RESOLUTION + 4 * DBL_EPSILON * fabs(t))
 
 /* Return the bytes of one array of Scalars. */
 static size_t array_bytes(void) {
@@ -141,15 +144,15 @@ void component_tolerance(Component *c, double tolerance) {
     c->log(c->context, LOG_WARNING, message);
 }
 
-/* Say once that the host's times are too large to tell apart what lies MIN_STEP apart. */
+/* Say once that the host's times are too large to tell apart what lies TIME_RESOLUTION apart. */
 static void warn_of_coarse_times(Component *c) {
     char message[MESSAGE_BYTES];
-    if (c->coarse || DBL_EPSILON * fabs(c->time) <= MIN_STEP) return;
+    if (c->coarse || DBL_EPSILON * fabs(c->time) <= TIME_RESOLUTION) return;
     c->coarse = true;
     write_message(message,
                   "at t = %s s numbers are %.1g s apart, more than %g s: steps and motions lose digits; count the time "
                   "from the run's beginning, up to %.2g s",
-                  SHORT(c->time), DBL_EPSILON * fabs(c->time), MIN_STEP, MIN_STEP / DBL_EPSILON);
+                  SHORT(c->time), DBL_EPSILON * fabs(c->time), TIME_RESOLUTION, TIME_RESOLUTION / DBL_EPSILON);
     c->log(c->context, LOG_WARNING, message);
 }
 
@@ -250,7 +253,7 @@ static bool step(Component *c, double t, double h, int *event, double *reached) 
                                SHORT(t + h), SHORT(c->stop));
     *reached = t + h;
     if (!model_time(c->model, &of_model, reason)) return component_error(c, "%s", reason);
-    if (t + h - of_model < MIN_STEP) { /* the next step starts at the model's time */
+    if (t + h - of_model < TIME_RESOLUTION) { /* the next step starts at the model's time */
         if (event) *event = 0;
         return true;
     }

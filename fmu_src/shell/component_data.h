@@ -26,7 +26,7 @@ struct Component {
     ModelInstance *model;
     double start;
     double stop;      /* infinite if not announced */
-    double time;      /* host's time, s; the model differs by less than MIN_STEP */
+    double time;      /* host's time, s; the model differs by less than TIME_RESOLUTION */
     double last_step; /* s, length of the last step; 0 before the first */
     bool coarse;      /* the log has said that times are coarse */
     int mode;

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 from rope_model.boundary.end_paths import EndMotion
 from rope_model.boundary.input_path import PathMeasures
 from rope_model.method.mesh_pattern import Pattern
-from rope_model.parameters import GROUPS
+from rope_model.parameters import PARAMETER_GROUPS
 from rope_model.physics.air import AirCoefficients
 from rope_model.physics.centreline import SuspensionPoint
 from rope_model.physics.element import ElementParameters
@@ -125,7 +125,7 @@ def argument(name: str, hint: Any) -> Argument:
     if get_origin(hint) is Annotated:
         whole = int in hint.__metadata__
         return Argument(name, shape=shape_of(hint), whole=whole)
-    groups = [part for part in get_args(hint) if part in GROUPS.values()]
+    groups = [part for part in get_args(hint) if part in PARAMETER_GROUPS.values()]
     structure = groups[0] if groups else _STRUCTURES.get(hint, hint)
     if is_structure(structure) or structure is Pattern:
         return Argument(name, structure)

@@ -9,15 +9,14 @@ from dataclasses import fields
 from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 from rope_model.boundary.end_paths import EndMotion
-from rope_model.parameters import GROUPS as GROUPS_BY_NAME
-from rope_model.parameters import Scene, Swivel
+from rope_model.parameters import PARAMETER_GROUPS, Scene, Swivel
 from rope_model.shaft_parameters import PARTS, Shaft
 
 #: cache of the parameters' types by data class
 _HINTS_BY_TYPE: dict[Any, dict[str, Any]] = {}
 
 
-class Member(NamedTuple):
+class ParameterMember(NamedTuple):
     """Parameter in C."""
 
     name: str
@@ -25,13 +24,13 @@ class Member(NamedTuple):
     length: int = 0  # length of an array, or 0
 
 
-def members(kind: type[Any]) -> tuple[Member, ...]:
+def members(kind: type[Any]) -> tuple[ParameterMember, ...]:
     """Return the members of a group's structure."""
     hints = _hints(kind).items()
     lengths = {
         name: len(get_args(hint)) if get_origin(hint) is tuple else 0 for name, hint in hints
     }
-    unsorted = [Member(name, hint is float, lengths[name]) for name, hint in hints]
+    unsorted = [ParameterMember(name, hint is float, lengths[name]) for name, hint in hints]
     return tuple(sorted(unsorted, key=lambda member: not member.real))
 
 
@@ -49,16 +48,20 @@ def _structure(kind: type[Any]) -> type[ctypes.Structure]:
 
 
 #: structures of the groups of a scene
-GROUPS = {kind: _structure(kind) for kind in dict.fromkeys(GROUPS_BY_NAME.values())}
+GROUP_STRUCTURES = {kind: _structure(kind) for kind in dict.fromkeys(PARAMETER_GROUPS.values())}
 
 
 class ShaftStructure(ctypes.Structure):
     """rope_model.shaft_parameters.Shaft."""
 
-    _fields_ = tuple((name, GROUPS[kind]) for name, kind in PARTS.items())
+    _fields_ = tuple((name, GROUP_STRUCTURES[kind]) for name, kind in PARTS.items())
 
 
-_SCENE_TYPES: dict[Any, Any] = {**GROUPS, Shaft: ShaftStructure, Swivel: GROUPS[Swivel] * 2}
+_SCENE_TYPES: dict[Any, Any] = {
+    **GROUP_STRUCTURES,
+    Shaft: ShaftStructure,
+    Swivel: GROUP_STRUCTURES[Swivel] * 2,
+}
 _NAMES = {
     "left": "swivels",
     "right": "swivels",
@@ -84,7 +87,7 @@ class EndMotionStructure(ctypes.Structure):
 def scene_structure(scene: Scene) -> SceneStructure:
     """Return the scene as a structure of C."""
     parts = {name: _fill(part) for name, part in vars(scene).items()}
-    swivels = (GROUPS[Swivel] * 2)(parts.pop("left"), parts.pop("right"))
+    swivels = (GROUP_STRUCTURES[Swivel] * 2)(parts.pop("left"), parts.pop("right"))
     return SceneStructure(swivels=swivels, **parts)
 
 
@@ -94,7 +97,7 @@ def _fill(group: Any) -> ctypes.Structure:
     values = {
         name: _value(getattr(group, name), hint) for name, hint in _hints(type(group)).items()
     }
-    return GROUPS[type(group)](**values)
+    return GROUP_STRUCTURES[type(group)](**values)
 
 
 def _value(value: Any, hint: Any) -> Any:

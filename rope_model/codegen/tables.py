@@ -9,7 +9,7 @@ from rope_model.boundary.end_paths import MOTION_BOUNDS
 from rope_model.codegen.expressions import texts_of
 from rope_model.codegen.state_structures import MESSAGE, structure_code
 from rope_model.codegen.structures import (
-    GROUPS,
+    GROUP_STRUCTURES,
     EndMotionStructure,
     SceneStructure,
     ShaftStructure,
@@ -20,13 +20,13 @@ from rope_model.fidelity.choice import FIDELITIES
 from rope_model.fidelity.neglected_effects import neglected_text
 from rope_model.method.stepping import MIN_INTERVAL
 from rope_model.parameter_table import CrossCheck, Parameter, check_order, parameters_of
-from rope_model.parameters import GROUPS as GROUPS_BY_NAME
+from rope_model.parameters import PARAMETER_GROUPS
 from rope_model.physics.elementary import logical_and
 from rope_model.physics.expressions import no_simplification
 from rope_model.physics.initial_curvature import CURVATURES
 from rope_model.physics.node import SIDES
 from rope_model.shaft_parameters import PARTS
-from rope_model.signals.signal_groups import group_of
+from rope_model.signals.signal_groups import c_function_of
 from rope_model.signals.signal_table import SHAPE_POINTS, SIGNALS
 from rope_model.solver_parameters import MAX_ELEMENTS, FidelityChoice
 from rope_model.texts import c_string
@@ -42,8 +42,8 @@ def signal_numbers() -> str:
     the signal.
     """
     numbers = "".join(f"    {constant(name)},\n" for name in SIGNALS)
-    functions = list(dict.fromkeys(map(group_of, SIGNALS)))
-    groups = ", \\\n".join(f"    {functions.index(group_of(name))}" for name in SIGNALS)
+    functions = list(dict.fromkeys(map(c_function_of, SIGNALS)))
+    groups = ", \\\n".join(f"    {functions.index(c_function_of(name))}" for name in SIGNALS)
     names = ", ".join(functions)
     texts = ", \\\n".join(
         f"    {c_string(neglected_text(fidelity) if fidelity in FIDELITIES else '')}"
@@ -88,8 +88,8 @@ def parameter_structures() -> str:
     )
     parts.append(f"/* s, of rope_advance_to */\n#define ROPE_MIN_INTERVAL {MIN_INTERVAL}\n")
     parts += [
-        *(_codes(*choice) for kind in GROUPS for choice in _choices(kind)),
-        *map(_structure, GROUPS),
+        *(_codes(*choice) for kind in GROUP_STRUCTURES for choice in _choices(kind)),
+        *map(_structure, GROUP_STRUCTURES),
     ]
     parts += map(structure_code, (ShaftStructure, SceneStructure, EndMotionStructure))
     text = "\n".join(parts)
@@ -99,7 +99,7 @@ def parameter_structures() -> str:
 
 def parameter_bounds() -> str:
     """Return the text of parameters.inc: a function for each group that checks its parameters in their order."""
-    return _HEAD + "".join(map(_bounds, GROUPS)) + _scene_check()
+    return _HEAD + "".join(map(_bounds, GROUP_STRUCTURES)) + _scene_check()
 
 
 def _choices(kind: type[Any]) -> Iterator[tuple[str, tuple[str, ...]]]:
@@ -152,7 +152,7 @@ def _scene_check() -> str:
     names |= {part: f"shaft.{part}" for part in PARTS}
     calls = [
         f'    check_{kind.__name__.lower()}(&(Check){{"{name}", message}}, &scene->{names.get(name, name)});\n'
-        for name, kind in GROUPS_BY_NAME.items()
+        for name, kind in PARAMETER_GROUPS.items()
     ]
     return (
         "\nRopeStatus check_scene(const Scene *scene, char *message) {\n    message[0] = '\\0';\n"

@@ -17,7 +17,7 @@ _GROUP_BY_SOURCE = {
 }
 
 
-def group_of(name: str) -> str:
+def c_function_of(name: str) -> str:
     """Return the name of the function in C that computes the signal ``name`` and related ones."""
     if name in STATE_SIGNALS:
         return "state_signals"

@@ -27,6 +27,7 @@ from fmu_src.python.export import export_fmu
 from fmu_src.shell.build import PLATFORMS, available_platforms, host_platform
 from hoist_demo.command_line.main import main
 from rope_model import BalanceRope, Scene, Swivel, balance_rope, rope_120
+from rope_model.method.stepping import MIN_INTERVAL
 from rope_model.reference.outputs import NAMES
 from rope_model.signals.signal_table import LOADS, SHAPE_POINTS, SIGNALS
 
@@ -319,6 +320,12 @@ def test_an_export_of_more_than_the_published_system_names_parameter_and_native(
     assert "air.density = 1.2 must be 0" in line
     assert line.endswith("take the native flavour, balance-rope export")
     assert not out.exists()
+
+
+def test_the_shell_asks_the_rope_for_no_step_that_it_would_skip() -> None:
+    text = (ROOT / "fmu_src" / "shell" / "component.c").read_text(encoding="utf-8")
+    (resolution,) = re.findall(r"#define TIME_RESOLUTION (\S+)", text)
+    assert float(resolution) >= MIN_INTERVAL
 
 
 def test_same_sources_give_the_same_bytes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -24,7 +24,7 @@ from rope_model.boundary.input_filter import InputFilter
 from rope_model.boundary.input_path import PathMeasures
 from rope_model.codegen.build import sources
 from rope_model.codegen.state_structures import MESSAGE, PARTS, PatternStructure
-from rope_model.codegen.structures import GROUPS, EndMotionStructure, scene_structure
+from rope_model.codegen.structures import GROUP_STRUCTURES, EndMotionStructure, scene_structure
 from rope_model.method.mesh_fit import NO_DIVIDERS
 from rope_model.method.newton import SMOOTH, NewtonLimits
 from rope_model.method.partition import Partition
@@ -150,7 +150,7 @@ def _parts() -> SimpleNamespace:
     x = ct.c_double
     p = ct.c_void_p
     signatures: dict[str, tuple[Any, ...]] = {
-        "fit_mesh": (GROUPS[Mesh], p),
+        "fit_mesh": (GROUP_STRUCTURES[Mesh], p),
         "partition_elements": (n, p, x, p, p),
         "partition": (None, p, x, x, p, n, p, p),
         "partition_transform": (None, p, n, p, n, p),

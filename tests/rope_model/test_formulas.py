@@ -22,7 +22,12 @@ from rope_model.codegen.messages import texts
 from rope_model.codegen.rules import TABLES, table_code
 from rope_model.codegen.signatures import Argument, Formula, constant_in_c, function_in_c, shape_of
 from rope_model.codegen.state_structures import PARTS, PatternStructure, StateStructure
-from rope_model.codegen.structures import GROUPS, SceneStructure, ShaftStructure, scene_structure
+from rope_model.codegen.structures import (
+    GROUP_STRUCTURES,
+    SceneStructure,
+    ShaftStructure,
+    scene_structure,
+)
 from rope_model.codegen.symbols import Word, symbols_of
 from rope_model.engine import declare
 from rope_model.messages import fidelity_messages
@@ -33,7 +38,7 @@ from rope_model.physics.air import AirCoefficients
 from rope_model.physics.air_element import COEFFICIENTS_SIZE
 from rope_model.physics.elementary import Scalar, where
 from rope_model.shaft_parameters import Shaft
-from rope_model.signals.signal_groups import group_of
+from rope_model.signals.signal_groups import c_function_of
 from rope_model.signals.signal_table import SIGNALS
 from rope_model.signals.state_signals import STATE_SIGNALS
 from rope_model.solver_parameters import FidelityChoice, Inputs
@@ -47,7 +52,7 @@ CALLABLE = [
 ]
 #: structures that have members of their own in C
 STRUCTURES: dict[Any, type[ct.Structure]] = {
-    **GROUPS,
+    **GROUP_STRUCTURES,
     **PARTS,
     Scene: SceneStructure,
     Shaft: ShaftStructure,
@@ -279,7 +284,7 @@ def test_every_output_that_is_stored_in_the_state_is_in_the_table_of_outputs() -
 
 def test_an_output_of_an_unknown_group_is_refused() -> None:
     with pytest.raises(KeyError, match="sheave"):
-        group_of("sheave.force")
+        c_function_of("sheave.force")
 
 
 def test_numbers_of_the_air_law_return_to_their_coefficients() -> None:

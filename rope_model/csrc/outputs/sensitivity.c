@@ -30,6 +30,7 @@
 
 /* VECTORS: members of EndMotion before the yaw, three of each order */
 enum { VECTORS = 9, ANGLE_PATH = 3, AXES = 4, PATHS = 6, POWERS = 6, CUBE = 3, LOADS = 12 };
+enum { LEFT_FY = UP, RIGHT_FY = 6 + UP };
 
 /* Largest displacement, m, and rotation, rad, that a change adds to the motion of an end within the step.  The loads'
    response to them exceeds the loads' rounding errors by far, and the rope's stiffness stays the same along them. */
@@ -66,7 +67,8 @@ static void end_loads(const Scene *scene, State *state, double loads[LOADS]) {
 /* Describe a step that has not been taken: as long as the last, with accelerations held. */
 static HostStep coming_step(const State *state, bool at_step_end) {
     HostStep host = {.stop = state->t + state->last_interval};
-    host.given_at = host.asked_at = at_step_end ? host.stop : state->t;
+    host.given_at = at_step_end ? host.stop : state->t;
+    host.asked_at = host.given_at;
     for (int side = LEFT; side <= RIGHT; side++) {
         const EndPath held = end_path_at_constant_acceleration(&state->paths[side], state->t);
         host.ends[side] = end_path_at(&held, host.given_at);
@@ -155,48 +157,48 @@ static RopeStatus derivative_along(Simulator *sim, const Change *change, double 
 }
 
 /* Return the change of an end's path with an input. */
-static Change change_with(const Scene *scene, const State *start, const HostStep *host, int side, int place) {
+static Change change_with(const Scene *scene, const State *start, const HostStep *host, int side, int field) {
     const FilterSettings settings = filter_settings(scene, scene->inputs.given);
     const double *latest = start->filters[side].given;
     EndMotion end = host->ends[side];
     double direction[END_MOTIONS] = {0};
     Change change = {.side = side};
-    direction[place] = 1;
+    direction[field] = 1;
     /* A motion with a change is no repetition of the latest sample. */
-    const double value = end_value(&end, place);
-    if (value == latest[place]) set_end_value(&end, place, value + ANOTHER_SAMPLE * fmax(1, fabs(value)));
+    const double value = end_value(&end, field);
+    if (value == latest[field]) set_end_value(&end, field, value + ANOTHER_SAMPLE * fmax(1, fabs(value)));
     derivatives_path_change(&start->paths[side], &start->filters[side], &settings, host->asked_at, host->stop, &end,
                             direction, change.coefficients);
     return change;
 }
 
 /* True if the rope can follow a change of an input as it is: a lower fidelity leaves motions out. */
-static bool follows(const Scene *scene, int fidelity, const HostStep *host, int side, int place) {
+static bool follows(const Scene *scene, int fidelity, const HostStep *host, int side, int field) {
     EndMotion ends[2] = {host->ends[LEFT], host->ends[RIGHT]};
-    if (fidelity == RIGID) return place < VECTORS && place % 3 == UP;
-    set_end_value(&ends[side], place, end_value(&ends[side], place) + 1);
+    if (fidelity == RIGID) return field < VECTORS && field % 3 == UP;
+    set_end_value(&ends[side], field, end_value(&ends[side], field) + 1);
     return fidelity == TORSIONAL || fidelity_rules_unsupported_input(scene, fidelity, &ends[LEFT], &ends[RIGHT]) == 0;
 }
 
-/* Where the derivatives are taken: the present state, and the step. */
+/* The step whose loads are differentiated, and the state to return to. */
 typedef struct {
-    State *now;
+    State *present;
     HostStep host;
-} Place;
+} Differentiated;
 
 /* Go back to the start of the last step, and record it unless that has been done. */
-static RopeStatus go_back(Simulator *sim, bool at_step_end, Place *place) {
-    place->now = sim->state;
-    place->host = sim->last.taken ? sim->last : coming_step(sim->state, at_step_end);
+static RopeStatus go_back(Simulator *sim, bool at_step_end, Differentiated *step) {
+    step->present = sim->state;
+    step->host = sim->last.taken ? sim->last : coming_step(sim->state, at_step_end);
     if (sim->last.taken) sim->state = sim->start;
     if (!sim->last.taken && sim->replay.at_step_end != at_step_end) sim->replay.known = false;
     sim->replay.at_step_end = at_step_end;
-    return sim->replay.known || record(sim, &place->host);
+    return sim->replay.known || record(sim, &step->host);
 }
 
 /* Return to the present state; complete the message of a failure. */
-static RopeStatus return_from(Simulator *sim, const Place *place, RopeStatus status) {
-    sim->state = place->now;
+static RopeStatus return_from(Simulator *sim, const Differentiated *step, RopeStatus status) {
+    sim->state = step->present;
     rope_system_refer(sim, sim->state, state_arrays(sim->state).q);
     if (status == ROPE_DONE) return ROPE_DONE;
     char why[MESSAGE];
@@ -204,20 +206,23 @@ static RopeStatus return_from(Simulator *sim, const Place *place, RopeStatus sta
     return say_no_derivative(sim->message, why);
 }
 
-/* Decrease of each end's upward force per upward acceleration that grows over the step from 0 on, kg. */
+/* Decrease of each end's upward force per upward acceleration that grows over the step from 0 on, kg.
+
+   NaN where a step cannot be taken again, as one of more than MAX_TAKEN internal steps: outputs are read without a
+   status, together with others that are valid, and any number would look like a mass.  A host that couples by added
+   mass must refuse it; rope_message has the reason. */
 void added_mass_signals(Simulator *sim, double *values) {
     double derivatives[2][LOADS] = {{0}};
-    Place place;
-    RopeStatus done = go_back(sim, true, &place);
+    Differentiated step;
+    RopeStatus done = go_back(sim, true, &step);
     for (int side = LEFT; side <= RIGHT && done; side++) {
         Change change = {.side = side};
         change.coefficients[UP][CUBE] = 1 / (6 * sim->replay.duration);
         done = derivative_along(sim, &change, derivatives[side]);
     }
-    for (int side = LEFT; side <= RIGHT; side++)
-        values[side == LEFT ? SIGNAL_LEFT_ADDED_MASS : SIGNAL_RIGHT_ADDED_MASS] =
-            done ? -derivatives[side][6 * side + UP] : NAN;
-    return_from(sim, &place, done);
+    return_from(sim, &step, done);
+    values[SIGNAL_LEFT_ADDED_MASS] = done ? -derivatives[LEFT][LEFT_FY] : NAN;
+    values[SIGNAL_RIGHT_ADDED_MASS] = done ? -derivatives[RIGHT][RIGHT_FY] : NAN;
 }
 
 size_t rope_repeated_steps(const Simulator *sim) {
@@ -227,17 +232,18 @@ size_t rope_repeated_steps(const Simulator *sim) {
 RopeStatus rope_load_derivative(Simulator *sim, int input, int at_step_end, double derivative[LOADS]) {
     if (input < 0 || input >= 2 * END_MOTIONS) return say_no_such_input(sim->message, 2 * END_MOTIONS - 1);
     if (!sim->initialized) return say_no_state(sim->message);
-    const int side = input / END_MOTIONS, field = input % END_MOTIONS;
+    const int side = input / END_MOTIONS;
+    const int field = input % END_MOTIONS;
     Replay *replay = &sim->replay;
-    Place place;
-    RopeStatus done = go_back(sim, at_step_end, &place);
+    Differentiated step;
+    RopeStatus done = go_back(sim, at_step_end, &step);
     if (done && !(replay->derived & 1u << input)) {
         Change change = {.side = side};
-        if (follows(&sim->scene, replay->fidelity, &place.host, side, field))
-            change = change_with(&sim->scene, sim->state, &place.host, side, field);
+        if (follows(&sim->scene, replay->fidelity, &step.host, side, field))
+            change = change_with(&sim->scene, sim->state, &step.host, side, field);
         done = derivative_along(sim, &change, replay->derivatives[input]);
         if (done) replay->derived |= 1u << input;
     }
     if (done) memcpy(derivative, replay->derivatives[input], sizeof(double) * LOADS);
-    return return_from(sim, &place, done);
+    return return_from(sim, &step, done);
 }
