@@ -23,7 +23,8 @@ static void say(fmi2CallbackLogger logger, fmi2ComponentEnvironment environment,
                 const char *message) {
     static const fmi2Status statuses[] = {fmi2OK, fmi2Warning, fmi2Error};
     /* The logger takes a format, which some hosts print as it is. */
-    char format[2 * MESSAGE_BYTES], *end = format;
+    char format[2 * MESSAGE_BYTES];
+    char *end = format;
     if (!logger) return;
     for (; *message && end < format + sizeof format - 2; message++) {
         *end++ = *message;

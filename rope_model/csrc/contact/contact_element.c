@@ -20,10 +20,11 @@ typedef struct {
 } ContactPair;
 
 /* Integration points of the parts in contact.  A cell has two monotone sides, a side two pieces. */
+enum { COORDINATE, WEIGHT, POINT_NUMBERS }; /* numbers of a point: element coordinate, and part of the length */
 enum { MAX_PRESSED = 4 * CONTACT_POINTS_CELLS * CONTACT_POINTS };
 typedef struct {
     int count;
-    double points[MAX_PRESSED][2]; /* element coordinate and weight */
+    double points[MAX_PRESSED][POINT_NUMBERS];
 } Pressed;
 
 static Probe probe_at(const ContactPair *pair, double place) {
@@ -57,17 +58,25 @@ static double place_of_depth(const ContactPair *pair, Probe outer, double inner,
     return outer.place;
 }
 
+/* Return the place between two probes where the depth is `level`, or that of the probe on whose side it is. */
+static double place_between(const ContactPair *pair, Probe deeper, Probe other, double level) {
+    if (deeper.depth <= level) return deeper.place;
+    if (other.depth >= level) return other.place;
+    return place_of_depth(pair, other, deeper.place, level);
+}
+
 /* Add the integration points between two probes with monotone depth between them. */
 static void add_side(const ContactPair *pair, Probe one, Probe two, Pressed *pressed) {
-    static const double levels[] = CONTACT_POINTS_LEVELS, parts[] = CONTACT_POINTS_PARTS,
-                        weights[] = CONTACT_POINTS_WEIGHTS;
-    const Probe deeper = one.depth > two.depth ? one : two, other = one.depth > two.depth ? two : one;
-    double before = deeper.place, place;
+    static const double levels[] = CONTACT_POINTS_LEVELS;
+    static const double parts[] = CONTACT_POINTS_PARTS;
+    static const double weights[] = CONTACT_POINTS_WEIGHTS;
+    const Probe deeper = one.depth > two.depth ? one : two;
+    const Probe other = one.depth > two.depth ? two : one;
+    double before = deeper.place;
+    double place;
     for (int k = 0; k < (int)(sizeof levels / sizeof *levels); k++, before = place) {
         const double level = levels[k] * pair->diameter;
-        place = deeper.depth <= level  ? deeper.place
-                : other.depth >= level ? other.place
-                                       : place_of_depth(pair, other, deeper.place, level);
+        place = place_between(pair, deeper, other, level);
         if (place == before) continue; /* nothing between the levels */
         for (int n = 0; n < CONTACT_POINTS; n++)
             contact_point(parts[n], weights[n], before, place, pressed->points[pressed->count++]);
@@ -77,8 +86,11 @@ static void add_side(const ContactPair *pair, Probe one, Probe two, Pressed *pre
 /* Find the integration points where body k presses an element. */
 static void find_pressed(const System *sys, int element, int k, const double *q, Pressed *pressed) {
     const double *a = q + (size_t)element * DOF;
-    const ContactPair pair = {a, a + DOF, sys->lengths[element], sys->obstacles->scene->rope.diameter,
-                              &sys->obstacles->placed[k].body};
+    const ContactPair pair = {.a = a,
+                              .b = a + DOF,
+                              .l = sys->lengths[element],
+                              .diameter = sys->obstacles->scene->rope.diameter,
+                              .body = &sys->obstacles->placed[k].body};
     pressed->count = 0;
     if (!(sys->obstacles->near[element] & 1u << k)) return;
     Probe start = probe_at(&pair, 0.0);
@@ -93,16 +105,17 @@ static void find_pressed(const System *sys, int element, int k, const double *q,
 
 /* Contact law at an integration point. */
 typedef struct {
-    double N[4], weight;
+    double N[4];
+    double weight;
     ContactTerms terms;
 } ContactPoint;
 
-static ContactPoint contact_point_of(const System *sys, int element, int k, const double point[2], const double *q,
-                                     const double *v, double c_q, double c_v) {
+static ContactPoint contact_point_of(const System *sys, int element, int k, const double point[POINT_NUMBERS],
+                                     const double *q, const double *v, double c_q, double c_v) {
     const Obstacles *obstacles = sys->obstacles;
-    ContactPoint found = {.weight = sys->lengths[element] * point[1]};
+    ContactPoint found = {.weight = sys->lengths[element] * point[WEIGHT]};
     double r[3], speed[3];
-    hermite_shape_functions(point[0], sys->lengths[element], found.N);
+    hermite_shape_functions(point[COORDINATE], sys->lengths[element], found.N);
     at_places(q, element, found.N, r);
     at_places(v, element, found.N, speed);
     found.terms = contact_law(&obstacles->scene->shaft.contact, obstacles->scene->rope.diameter,

@@ -76,7 +76,8 @@ static bool search_elements(const System *sys, const double *q, int k, int first
 /* Find all elements nearer to a body than margin, besides the marks to keep; return true if there are new ones. */
 static bool search_bodies(const System *sys, const double *q, double margin, unsigned keep) {
     Obstacles *obstacles = sys->obstacles;
-    double total = 0, along = 0;
+    double total = 0;
+    double along = 0;
     bool added = false;
     remember_configuration(sys, &obstacles->cache, q);
     obstacles->longest = 0;

@@ -50,7 +50,9 @@ static double nearest_place(const System *sys, const double *q, int element, con
     static const double probes[] = PROBE_PLACES;
     const double *a = q + (size_t)element * DOF;
     const double l = sys->lengths[element];
-    double N[4], place[3], least = INFINITY;
+    double N[4];
+    double place[3];
+    double least = INFINITY;
     for (int k = 0; k < PROBES; k++) {
         hermite_shape_functions(probes[k], l, N);
         at_places(q, element, N, place);
@@ -69,7 +71,9 @@ static void add_self_contact(const System *sys, const double *q, const double *v
                              const double N[4], SelfContact contact) {
     SelfContactState *self_contact = sys->self_contact;
     const int other = contact.elements[1];
-    double partner[4], place[2][3], speed[2][3];
+    double partner[4];
+    double place[2][3];
+    double speed[2][3];
     hermite_shape_functions(contact.xi, sys->lengths[other], partner);
     at_places(q, contact.elements[0], N, place[0]);
     at_places(v, contact.elements[0], N, speed[0]);
@@ -118,7 +122,9 @@ static void search_element(const System *sys, const double *q, const double *v, 
     const double weight = l / count;
     for (int k = 0; k < count;) {
         SelfContact contact = {.elements = {element, 0}, .weight = weight};
-        double N[4], point[3], least = INFINITY;
+        double N[4];
+        double point[3];
+        double least = INFINITY;
         hermite_shape_functions((k + 0.5) / count, l, N);
         at_places(q, element, N, point);
         for (int n = 0; n < neighbour_count; n++) {
@@ -181,7 +187,8 @@ void self_contact_times(const SelfContactState *self_contact, const double *x, d
     static const int upper[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
     for (int n = 0; n < self_contact->count; n++) {
         const SelfContact *contact = &self_contact->contacts[n];
-        double separation[3] = {0}, force[3] = {0};
+        double separation[3] = {0};
+        double force[3] = {0};
         for (int k = 0; k < 8; k++)
             for (int i = 0; i < 3; i++) separation[i] += contact->N[k] * x[row_of(contact, k) + (size_t)i];
         for (int i = 0; i < 3; i++)

@@ -42,10 +42,17 @@ static int largest(int axes, const double *sizes) {
     return worst;
 }
 
+/* Return r' of the end in x; of the next node where a clamp prescribes that of the end. */
+static const double *stretching_slope(int attachment, int nodes, const double *x, int side) {
+    const double *slope = end_row(x, nodes, side) + SLOPE;
+    if (attachment != CLAMPED) return slope;
+    return side == LEFT ? slope + DOF : slope - DOF;
+}
+
 double end_strain(const Scene *scene, int nodes, const double *q, const double *x, int side) {
-    const int attachment = scene->swivels[side].attachment, to_next = attachment != CLAMPED ? 0 : side ? -DOF : DOF;
-    const double *t = end_row(q, nodes, side) + to_next + SLOPE;
-    const double *y = end_row(x, nodes, side) + to_next + SLOPE;
+    const int attachment = scene->swivels[side].attachment;
+    const double *t = stretching_slope(attachment, nodes, q, side);
+    const double *y = stretching_slope(attachment, nodes, x, side);
     return attachment == PLUMB ? y[UP] : elementary_dot(y, t) / sqrt(elementary_dot(t, t));
 }
 
@@ -135,7 +142,8 @@ void ends_prescribed_motion(const Scene *scene, const State *state, int side, do
 }
 
 double bottom_arc_length(const Scene *scene, const EndPath paths[2], double t) {
-    const double left = end_path_height(&paths[LEFT], t), right = end_path_height(&paths[RIGHT], t);
+    const double left = end_path_height(&paths[LEFT], t);
+    const double right = end_path_height(&paths[RIGHT], t);
     return 0.5 * (scene->rope.length + left - right);
 }
 

@@ -13,7 +13,8 @@ static const char *const INPUTS[] = END_MOTION_NAMES;
 
 /* Write name and value of an input into text (MESSAGE bytes). */
 static void input_text(const EndMotion ends[2], int index, char *text) {
-    const int side = (index - 1) / END_MOTIONS, place = (index - 1) % END_MOTIONS;
+    const int side = (index - 1) / END_MOTIONS;
+    const int place = (index - 1) % END_MOTIONS;
     say_nonzero_input(text, side_name(side), INPUTS[place], end_value(&ends[side], place));
 }
 
@@ -45,13 +46,15 @@ int lowest_sufficient(const Scene *scene, const EndMotion ends[2], int forces) {
 int choose_fidelity(const Scene *scene, const EndMotion ends[2], int forces, char *reason) {
     const EndMotion *left = &ends[LEFT];
     const EndMotion *right = &ends[RIGHT];
-    char why[MESSAGE], below[MESSAGE] = "";
+    char why[MESSAGE];
+    char below[MESSAGE] = "";
     if (scene->model.fidelity != AUTO_FIDELITY) {
         say_as_set(reason);
         return scene->model.fidelity;
     }
     if (tell_complete_model(scene, forces, reason)) return TORSIONAL;
-    const int index = (int)fidelity_rules_held_input(left, right), estimated = scene->model.force_tolerance > 0;
+    const int index = (int)fidelity_rules_held_input(left, right);
+    const int estimated = scene->model.force_tolerance > 0;
     if (index > 0) {
         input_text(ends, index, why);
         say_held_where_initialised(reason, why);

@@ -16,7 +16,8 @@
 
 /* The torsional chain is the largest: a tangent has `most` entries, and a step as many for either end. */
 size_t chain_work_bytes(int elements) {
-    const size_t n = (size_t)elements, most = DOF * (2 * DOF + 1);
+    const size_t n = (size_t)elements;
+    const size_t most = DOF * (2 * DOF + 1);
     return sizeof(double) * ((n + MAX_LANES) * most + (n + 1) * 2 * DOF) + sizeof(Vec2) * most * ((n + 1) / SWEEPS + 1);
 }
 

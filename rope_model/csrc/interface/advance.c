@@ -130,7 +130,9 @@ RopeStatus rope_release_free_swivels(Simulator *sim) {
 
 /* Advance to the host's stop, or to an event; *event tells which.  Keep the state before as the start. */
 static RopeStatus advance_to(Simulator *sim, const HostStep *host, int *event) {
-    const double t = host->stop, begin = sim->state->t, step_max = sim->scene.solver.step_max;
+    const double t = host->stop;
+    const double begin = sim->state->t;
+    const double step_max = sim->scene.solver.step_max;
     const double earliest = begin - sim->scene.inputs.hold_max;
     *event = 0;
     if (!sim->initialized) return say_no_state(sim->message);

@@ -51,7 +51,8 @@ static bool within(int64_t x, int64_t least, int64_t most) {
 /* True if the pattern belongs to the mesh, at any place of the loop, and the elements have its lengths. */
 static bool partition_plausible(const Scene *scene, const Mesh *mesh, const State *state, const NodalArrays *nodal,
                                 const NodalArrays *scratch) {
-    const double length = scene->rope.length, rounding = 1e-12 * length;
+    const double length = scene->rope.length;
+    const double rounding = 1e-12 * length;
     const Pattern *pattern = &state->pattern;
     double *lengths = scratch->q;
     double *s = scratch->v;
@@ -61,7 +62,8 @@ static bool partition_plausible(const Scene *scene, const Mesh *mesh, const Stat
     partition(mesh, length, 0.5 * length, divider_s, nodal->elements, &expected, lengths);
     if (expected.coarse > 0) {
         const int outer = expected.counts[0] + expected.counts[SEGMENTS - 1];
-        const int first = pattern->counts[0], least = (int)mesh_pattern_min_outer(expected.counts + 1);
+        const int first = pattern->counts[0];
+        const int least = (int)mesh_pattern_min_outer(expected.counts + 1);
         if (!within(first, least, outer - least)) return false;
         for (int i = 0; i < DIVIDERS; i++) /* place of a divider in this window */
             if (isfinite(divider_s[i]))

@@ -83,12 +83,15 @@ static void add_missing(int nodes, int fields, const double *const *x, const dou
     const double tolerance = tolerance_of(nodes, old_s);
     int old = 0;
     for (int e = 0; e < nodes - 1; e++) {
-        double from = new_s[e], end = new_s[e + 1], l = end - from;
+        double from = new_s[e];
+        double end = new_s[e + 1];
+        double l = end - from;
         while (old < nodes - 2 && old_s[old + 1] <= from + tolerance) old++;
         if (old_s[old + 1] >= end - tolerance) continue; /* within an old element */
         /* Between neighbours among old and new nodes, both fields are polynomials. */
         for (int k = old; from < end - tolerance; k++) {
-            double to = k < nodes - 2 ? fmin(old_s[k + 1], end) : end, old_l = old_s[k + 1] - old_s[k];
+            double to = k < nodes - 2 ? fmin(old_s[k + 1], end) : end;
+            double old_l = old_s[k + 1] - old_s[k];
             for (int f = 0; f < fields; f++) {
                 double load[2 * DOF];
                 double *part = load;

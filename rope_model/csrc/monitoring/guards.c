@@ -44,7 +44,8 @@ void update_guards(const Scene *scene, State *state) {
     const NodalArrays nodal = state_arrays(state);
     const LoopBottom bottom = loop_bottom(nodal.nodes, nodal.q, nodal.s);
     Nearest nearest[KINDS];
-    double clearance = guard->clearance, torque = 0;
+    double clearance = guard->clearance;
+    double torque = 0;
     for (int kind = 0; kind < KINDS; kind++) nearest[kind] = (Nearest){.clearance = guard->clearance};
     shaft_nearer(scene, &nodal, state->t, nearest);
     for (int kind = 0; kind < KINDS; kind++) clearance = minimum(clearance, nearest[kind].clearance);

@@ -17,22 +17,33 @@ double ends_yaw(const NodalArrays *nodal) {
     return centreline_line_yaw(nodal->q, end_row(nodal->q, nodal->nodes, RIGHT));
 }
 
-LoopBottom loop_bottom(int nodes, const double *q, const double *s) {
-    int lowest = lowest_node(nodes, q), i = lowest < 1 ? 1 : lowest > nodes - 2 ? nodes - 2 : lowest;
+/* Return the index nearest to i that has a neighbour on both sides. */
+static int inner_index(int i, int count) {
+    if (i < 1) return 1;
+    return i > count - 2 ? count - 2 : i;
+}
 
-    double fine[SAMPLING_FINE], rows[SAMPLING_FINE][DOF], row[1][DOF],
-        step = (s[i + 1] - s[i - 1]) / (SAMPLING_FINE - 1);
-    for (int k = 0; k < SAMPLING_FINE; k++) fine[k] = k < SAMPLING_FINE - 1 ? k * step + s[i - 1] : s[i + 1];
+LoopBottom loop_bottom(int nodes, const double *q, const double *s) {
+    const int node = inner_index(lowest_node(nodes, q), nodes);
+    const double begin = s[node - 1];
+    const double end = s[node + 1];
+    const double step = (end - begin) / (SAMPLING_FINE - 1);
+    double fine[SAMPLING_FINE];
+    double rows[SAMPLING_FINE][DOF];
+    double row[1][DOF];
+    for (int k = 0; k < SAMPLING_FINE; k++) fine[k] = k < SAMPLING_FINE - 1 ? k * step + begin : end;
     transfer_interpolate(nodes, q, s, SAMPLING_FINE, fine, rows);
-    int j = 0;
+    int lowest = 0;
     for (int k = 1; k < SAMPLING_FINE; k++)
-        if (rows[k][UP] < rows[j][UP]) j = k;
+        if (rows[k][UP] < rows[lowest][UP]) lowest = k;
     /* lowest point of the parabola through three points */
-    j = j < 1 ? 1 : j > SAMPLING_FINE - 2 ? SAMPLING_FINE - 2 : j;
-    double before = rows[j - 1][UP], after = rows[j + 1][UP], bend = before - 2 * rows[j][UP] + after;
-    double shift = bend > 0 ? 0.5 * (before - after) / bend : 0.0;
+    lowest = inner_index(lowest, SAMPLING_FINE);
+    const double before = rows[lowest - 1][UP];
+    const double after = rows[lowest + 1][UP];
+    const double bend = before - 2 * rows[lowest][UP] + after;
+    const double shift = bend > 0 ? 0.5 * (before - after) / bend : 0.0;
     LoopBottom bottom;
-    bottom.s = fine[j] + fmin(fmax(shift, -1.0), 1.0) * (fine[1] - fine[0]);
+    bottom.s = fine[lowest] + fmin(fmax(shift, -1.0), 1.0) * (fine[1] - fine[0]);
     transfer_interpolate(nodes, q, s, 1, &bottom.s, row);
     memcpy(bottom.position, row[0], sizeof bottom.position);
     bottom.yaw = atan2(-row[0][SLOPE + 2], row[0][SLOPE]);
@@ -42,13 +53,15 @@ LoopBottom loop_bottom(int nodes, const double *q, const double *s) {
 /* A way up a leg, in SAMPLING_PIECES per element. */
 typedef struct {
     const NodalArrays *nodal;
-    int point, last; /* next point, and the leg's end */
-    double low[3];   /* latest point higher than all before it */
-    double high[3];  /* next such point; its height is HUGE_VAL for none */
+    int point;      /* next point */
+    int last;       /* the leg's end */
+    double low[3];  /* latest point higher than all before it */
+    double high[3]; /* next such point; its height is HUGE_VAL for none */
 } Climb;
 
 static void point_of(const NodalArrays *nodal, int point, double place[3]) {
-    const int element = point / SAMPLING_PIECES, piece = point % SAMPLING_PIECES;
+    const int element = point / SAMPLING_PIECES;
+    const int piece = point % SAMPLING_PIECES;
     const double *a = nodal->q + (ptrdiff_t)DOF * element;
     if (piece == 0)
         memcpy(place, a, 3 * sizeof *place);
@@ -100,12 +113,16 @@ LoopTurns loop_turns(const NodalArrays *nodal, const LoopBottom *bottom) {
     const int last = SAMPLING_PIECES * nodal->elements;
     int next = 1;
     while (next < last && point_s(nodal, next) < bottom->s) next++;
-    Climb left = {nodal, next - 1, 0, {0}, {0}}, right = {nodal, next, last, {0}, {0}};
+    Climb left = {.nodal = nodal, .point = next - 1, .last = 0};
+    Climb right = {.nodal = nodal, .point = next, .last = last};
     memcpy(left.high, bottom->position, sizeof left.high);
     memcpy(right.high, bottom->position, sizeof right.high);
     climb_on(&left);
     climb_on(&right);
-    double across[2], angle = 0, sharpest = -1, below = bottom->position[UP];
+    double across[2];
+    double angle = 0;
+    double sharpest = -1;
+    double below = bottom->position[UP];
     LoopTurns turns = {0, below};
     centreline_heading(bottom->yaw, across);
     double height = fmin(left.high[UP], right.high[UP]);

@@ -7,7 +7,9 @@
 #include "state_structures.h"
 
 typedef struct {
-    double s, position[3], yaw;
+    double s;           /* arc length, m */
+    double position[3]; /* m */
+    double yaw;         /* of the tangent, rad */
 } LoopBottom;
 typedef struct {
     double number;     /* turns of one side of the rope about the other */

@@ -41,7 +41,8 @@ void diagnostics_shape(int nodes, const double *q, const double *s, int points, 
 void diagnostics_tension(const NodalArrays *arrays, double rho, double gravity, int points, const double *places,
                          double *tension) {
     const double *s = arrays->s;
-    double before[3] = {0, 0, 0}, row[1][DOF];
+    double before[3] = {0, 0, 0};
+    double row[1][DOF];
     int i = 0;
     for (int k = 0; k < points; k++) {
         /* Integrate the acceleration, cubic between the nodes, over the elements to the left ... */
@@ -55,7 +56,9 @@ void diagnostics_tension(const NodalArrays *arrays, double rho, double gravity, 
         /* ... and over the part of the present element. */
         const double *a = arrays->a + (ptrdiff_t)DOF * i;
         const double *b = a + DOF;
-        double l = arrays->lengths[i], xi = (places[k] - s[i]) / l, force[3];
+        double l = arrays->lengths[i];
+        double xi = (places[k] - s[i]) / l;
+        double force[3];
         transfer_interpolate(arrays->nodes, arrays->q, s, 1, &places[k], row);
         for (int axis = 0; axis < 3; axis++) {
             double within = hermite_integral_to(xi, l, a[axis], a[SLOPE + axis], b[axis], b[SLOPE + axis]);
@@ -70,12 +73,14 @@ void diagnostics_tension(const NodalArrays *arrays, double rho, double gravity, 
 /* Copy the points of a leg upwards from where it first reaches `height`; return their number.  `first` is the leg's
    lowest point, `stride` the step to the next, in points. */
 static int part_above(double (*first)[3], int stride, double height, double part[LEG][3]) {
-    int i = 0, n = 0;
+    int i = 0;
+    int n = 0;
     while (i < LEG && first[stride * i][UP] < height) i++;
     if (i == LEG) return 0;
     const double *below = first[stride * (i > 0 ? i - 1 : 0)];
     const double *above = first[stride * i];
-    double rise = above[UP] - below[UP], fraction = rise > 0 ? (height - below[UP]) / rise : 1.0;
+    double rise = above[UP] - below[UP];
+    double fraction = rise > 0 ? (height - below[UP]) / rise : 1.0;
     for (int axis = 0; axis < 3; axis++) part[0][axis] = below[axis] + fraction * (above[axis] - below[axis]);
     i += fraction >= 1.0;
     for (n = 1; i < LEG; i++, n++) memcpy(part[n], first[stride * i], sizeof part[n]);
@@ -115,7 +120,10 @@ static double nearest_squared(int points, double point[][3], int pieces, double 
 /* Return the same for the points of two blocks, each with the pieces of the other. */
 static double between_squared(int m, int lefts, double left[LEG][3], int n, int rights, double right[LEG][3],
                               double least) {
-    const int i = m * BLOCK, k = n * BLOCK, some = at_most(lefts - i, BLOCK), others = at_most(rights - k, BLOCK);
+    const int i = m * BLOCK;
+    const int k = n * BLOCK;
+    const int some = at_most(lefts - i, BLOCK);
+    const int others = at_most(rights - k, BLOCK);
     least = nearest_squared(some, left + i, at_most(rights - 1 - k, BLOCK), right + k, least);
     return nearest_squared(others, right + k, at_most(lefts - 1 - i, BLOCK), left + i, least);
 }
@@ -124,7 +132,8 @@ static double between_squared(int m, int lefts, double left[LEG][3], int n, int 
    blocks; the next call starts with them and then skips most others. */
 static double smallest_squared(int lefts, double left[LEG][3], int rights, double right[LEG][3], int pair[2]) {
     double of_left[BLOCKS][6], of_right[BLOCKS][6];
-    const int top = (lefts - 1) / BLOCK, other_top = (rights - 1) / BLOCK;
+    const int top = (lefts - 1) / BLOCK;
+    const int other_top = (rights - 1) / BLOCK;
     double least =
         between_squared(at_most(pair[0], top), lefts, left, at_most(pair[1], other_top), rights, right, HUGE_VAL);
     blocks_of(lefts, left, of_left);
@@ -143,7 +152,10 @@ static double smallest_squared(int lefts, double left[LEG][3], int rights, doubl
 
 double leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
                      double diameter, double above, int pair[2]) {
-    double places[SAMPLING_OUTLINE], outline[SAMPLING_OUTLINE][3], left[LEG][3], right[LEG][3];
+    double places[SAMPLING_OUTLINE];
+    double outline[SAMPLING_OUTLINE][3];
+    double left[LEG][3];
+    double right[LEG][3];
     shape_places(s[nodes - 1], bottom->s, loop, SAMPLING_OUTLINE, places);
     diagnostics_shape(nodes, q, s, SAMPLING_OUTLINE, places, outline);
     double height = bottom->position[UP] + above;

@@ -27,7 +27,9 @@ static void neglected_effects(const Scene *scene, State *state, char *message) {
 
 static void passed_bodies(const Scene *scene, State *state, char *message) {
     static const char *const words[KINDS] = BODY_WORDS;
-    char passages[MESSAGE] = "", before[MESSAGE], passed[MESSAGE];
+    char passages[MESSAGE] = "";
+    char before[MESSAGE];
+    char passed[MESSAGE];
     double deepest = FAR;
     for (int kind = 0; kind < KINDS; kind++) {
         const Nearest *x = &state->nearest[kind];

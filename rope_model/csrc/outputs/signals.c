@@ -159,7 +159,8 @@ static void along(const Simulator *sim, const double *places, int which, double 
 }
 
 static void pull_at(const Scene *scene, State *state, const double *places, double *tension) {
-    const double rho = scene->rope.mass_per_length, gravity = scene->layout.gravity;
+    const double rho = scene->rope.mass_per_length;
+    const double gravity = scene->layout.gravity;
     const NodalArrays nodal = state_arrays(state);
     double xyz[3 * SHAPE_POINTS];
     if (state->fidelity != RIGID) {

@@ -28,7 +28,8 @@ void carry_director(State *state, const double *before, const double *after) {
 }
 
 void start_director(State *state, const double *q) {
-    static const double plumb[3] = DIRECTOR_PLUMB, start[3] = DIRECTOR_START;
+    static const double plumb[3] = DIRECTOR_PLUMB;
+    static const double start[3] = DIRECTOR_START;
     memcpy(state->director, start, sizeof start);
     carry_director(state, plumb, q + SLOPE);
 }

@@ -75,7 +75,9 @@ static void mean_between(const double *z, const double *s, int elements, double 
     for (int e = 0; e < elements && s[e] < to; e++) {
         if (!(s[e + 1] > from)) continue;
         for (int k = 0; k < WIRE_POINTS; k++) {
-            const double l = s[e + 1] - s[e], begin = s[e] + l * CELLS[k], end = s[e] + l * CELLS[k + 1];
+            const double l = s[e + 1] - s[e];
+            const double begin = s[e] + l * CELLS[k];
+            const double end = s[e] + l * CELLS[k + 1];
             const double *point_z = z + (ptrdiff_t)e * WIRE_Z + COMPONENTS * k;
             const double fraction = (fmin(end, to) - fmax(begin, from)) / (to - from);
             if (fabs(begin - from) <= close && fabs(end - to) <= close) {

@@ -39,8 +39,10 @@ static double *numbers(Arena *arena, size_t count) {
  */
 static size_t lay_out(Simulator *sim, Arena *arena) {
     const Scene *scene = &sim->scene;
-    const bool rubs = wire_stiffness(&scene->rope) > 0, presses = scene->shaft.contact.rope_stiffness > 0;
-    const size_t n = (size_t)sim->elements, size = (n + 1) * DOF;
+    const bool rubs = wire_stiffness(&scene->rope) > 0;
+    const bool presses = scene->shaft.contact.rope_stiffness > 0;
+    const size_t n = (size_t)sim->elements;
+    const size_t size = (n + 1) * DOF;
     State **const states[] = {&sim->state, &sim->next, &sim->spare, &sim->start};
     double **const arrays[] = {&sim->work.trial.q, &sim->work.trial.v,      &sim->work.trial.a,
                                &sim->work.trial.b, &sim->work.trial.a_rate, &sim->work.trial.reaction,
@@ -79,7 +81,8 @@ static size_t lay_out(Simulator *sim, Arena *arena) {
 Simulator *allocate_simulator(const Scene *scene, int elements, const Memory *memory, char *message) {
     Simulator counted = {.scene = *scene, .elements = elements};
     Arena arena = {NULL, 0};
-    const size_t cleared = lay_out(&counted, &arena), bytes = sizeof counted + ALIGNMENT + arena.used;
+    const size_t cleared = lay_out(&counted, &arena);
+    const size_t bytes = sizeof counted + ALIGNMENT + arena.used;
     Simulator *sim = memory->allocate(1, bytes);
     if (sim == NULL) {
         say_no_memory(message, elements, 1e-6 * (double)bytes);

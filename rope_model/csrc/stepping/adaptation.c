@@ -31,7 +31,8 @@
 
 /* Enter the energy change of a transformation into the energy balance. */
 static void add_energy_change(Simulator *sim, State *state) {
-    const double before = state->energy_balance.kinetic, change = rope_energies(sim, state);
+    const double before = state->energy_balance.kinetic;
+    const double change = rope_energies(sim, state);
     const double kinetic = state->energy_balance.kinetic - before;
     state->energy_balance.transformations += change;
     record_event(state, TRANSFORMED, 0, kinetic, change - kinetic);

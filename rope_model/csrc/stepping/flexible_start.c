@@ -29,8 +29,10 @@ static void count_from_rigid(Simulator *sim, State *state, const double *rigid, 
 
 RopeStatus flexible_start(Simulator *sim, State *state, char *message) {
     const NodalArrays nodal = state_arrays(state);
-    const size_t size = (size_t)nodal.nodes * DOF, bytes = sizeof(double) * size;
-    const double t = state->t, offset = state->offsets[RIGHT];
+    const size_t size = (size_t)nodal.nodes * DOF;
+    const size_t bytes = sizeof(double) * size;
+    const double t = state->t;
+    const double offset = state->offsets[RIGHT];
     /* b and a_rate are scratch until the restart. */
     double *q = nodal.b;
     double *reaction = nodal.a_rate;
@@ -63,7 +65,8 @@ RopeStatus flexible_start(Simulator *sim, State *state, char *message) {
     memcpy(state->director, director, sizeof director);
     rope_system_refer(sim, state, rigid);
     for (size_t i = 0; i < size; i++) {
-        const double before = nodal.v[i], after = nodal.a[i];
+        const double before = nodal.v[i];
+        const double after = nodal.a[i];
         nodal.v[i] = (after - before) / (2 * STEPPING_DIFFERENCE);
         nodal.a[i] = (after - 2 * nodal.q[i] + before) / (STEPPING_DIFFERENCE * STEPPING_DIFFERENCE);
     }

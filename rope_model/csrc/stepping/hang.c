@@ -138,7 +138,9 @@ static RopeStatus let_curve(Simulator *sim, State *state, char *message) {
 
 /* The rope before it was hung: prescribed motion of the ends, offset and yaw. */
 typedef struct {
-    double ends[2][3][DOF], offset, yaw;
+    double ends[2][3][DOF];
+    double offset;
+    double yaw;
 } Before;
 
 static void untwist(const NodalArrays *nodal, double angle) {
@@ -198,7 +200,8 @@ static RopeStatus hang_in_loop(Simulator *sim, State *state, char *message) {
     Before before = {.offset = state->offsets[RIGHT], .yaw = state->loop_yaw};
     for (int side = LEFT; side <= RIGHT; side++)
         ends_prescribed_motion(&sim->scene, state, side, state->t, before.ends[side]);
-    const double first = before.ends[LEFT][0][ANGLE], twist = before.ends[RIGHT][0][ANGLE] - first;
+    const double first = before.ends[LEFT][0][ANGLE];
+    const double twist = before.ends[RIGHT][0][ANGLE] - first;
     untwist(&nodal, first);
     state->offsets[RIGHT] -= twist;
     sim->search.corrections = sim->search.solutions = 0;
@@ -207,7 +210,8 @@ static RopeStatus hang_in_loop(Simulator *sim, State *state, char *message) {
 
 void paths_at_rest(const Scene *scene, State *state, const EndMotion ends[2], double placed) {
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double share = fidelity_rules_not_plumb(scene) ? placed : 1, sense = side ? 1 : -1;
+        const double share = fidelity_rules_not_plumb(scene) ? placed : 1;
+        const double sense = side ? 1 : -1;
         const EndMotion end = end_conditions_partly_placed(scene, &ends[side], &ends[!side], sense, share);
         state->paths[side] = end_path_at_rest(state->t, &end);
     }

@@ -42,7 +42,8 @@ static double due_at(void *data, double time) {
 
 /* Return the end of the coming steps: the host's, a release, or a transformation that a step would pass too far. */
 static double next_stop(const Scene *scene, const State *state, double t_end) {
-    const double t = state->t, stop = fmin(t_end, next_release(scene, state));
+    const double t = state->t;
+    const double stop = fmin(t_end, next_release(scene, state));
     const double ahead = fmin(stop, t + fmin(state->step_next, scene->solver.step_max));
     const double times[2] = {0.5 * (t + ahead), ahead};
     DueContext context = {scene, state};
@@ -120,7 +121,8 @@ static void record_step(Replay *replay, const State *state, double h, int correc
 }
 
 static RopeStatus rigid_step(Simulator *sim, State *state, double t_end, char *message) {
-    const double h = t_end - state->t, before = state->power_ends;
+    const double h = t_end - state->t;
+    const double before = state->power_ends;
     if (!as_rigid(sim, state, t_end, message)) return ROPE_FAILED;
     rope_powers(&sim->scene, state);
     state->energy_balance.work_ends += 0.5 * h * (before + state->power_ends);

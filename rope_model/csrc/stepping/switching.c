@@ -120,7 +120,8 @@ static SwivelState next_phase(Simulator *sim, const State *state, const SwivelSt
 void switch_swivels(Simulator *sim, State *state) {
     const NodalArrays nodal = state_arrays(state);
     SwivelState swivels[2];
-    bool switches[2], restarted = false;
+    bool switches[2];
+    bool restarted = false;
     memcpy(swivels, state->swivels, sizeof swivels);
     for (int side = LEFT; side <= RIGHT; side++) {
         switches[side] = excess_of(&sim->scene, state, side, state->t, &nodal) >= 0;

@@ -222,7 +222,9 @@ static void move_to_middle(const NodalArrays *nodal, const NodalArrays *trial, d
    the sums of its error. */
 static StepLosses losses_in_middle(const Scene *scene, const Chain *chain, const System *sys, State *state, double h) {
     const NodalArrays middle = state_arrays(state);
-    double material[LOSSES], contact[CONTACT_BALANCE], air[AIR_BALANCE];
+    double material[LOSSES];
+    double contact[CONTACT_BALANCE];
+    double air[AIR_BALANCE];
     chain->losses(sys, middle.q, middle.v, material);
     external_sums(sys, middle.q, middle.v, contact);
     state->contact = add_contact(scene, &state->contact, h, contact + CONTACT_FORCES, longest_near(sys));
@@ -251,7 +253,8 @@ void commit_trial(Simulator *sim, State *state, const StepResult *trial) {
     System sys = rope_system(sim, state);
 
     /* the start of the step */
-    const double h = trial->t - state->t, time_shift = recentring(&method, trial->h, state->h);
+    const double h = trial->t - state->t;
+    const double time_shift = recentring(&method, trial->h, state->h);
     const double reactions[2] = {vertical_reaction(&nodal, LEFT), vertical_reaction(&nodal, RIGHT)};
     const Powers powers_before = powers_of(state);
     MeasuredStep step = {.h = h,
