@@ -67,44 +67,72 @@ static RopeStatus hold_ends(const Scene *scene, State *state, const EndMotion en
     return ROPE_DONE;
 }
 
-static RopeStatus initialize(Simulator *sim, double t, const EndMotion ends[2]) {
+/* Choose the fidelity; refuse motions that it cannot follow, and bodies that leave the rope no room. */
+static RopeStatus choose_model(const Simulator *sim, State *state, const EndMotion ends[2], char *message) {
     const Scene *scene = &sim->scene;
-    State *state = sim->next;
-    char *message = sim->message;
-    if (!(fabs(t) <= STEPPING_MAX_START_TIME)) return say_start_time_out_of_range(message, t, STEPPING_MAX_START_TIME);
-    memset(state, 0, sim->state_bytes);
-    state->elements = sim->elements;
-    state->t = state->calm_since = t;
     char why[MESSAGE];
-    double points[2][3];
-    if (!hold_ends(scene, state, ends, points, message)) return ROPE_FAILED;
     state->fidelity = choose_fidelity(scene, ends, sim->forces.count, state->fidelity_reason);
     unsupported_motion(scene, state->fidelity, ends, sim->forces.count, why);
     if (why[0]) return say_fixed_model_cannot_follow(message, fidelity_name(state->fidelity), why);
     if (tell_no_room(scene, state->fidelity, &ends[LEFT], &ends[RIGHT], message)) return ROPE_FAILED;
+    return ROPE_DONE;
+}
+
+/* Divide the rope into elements for the place of its loop. */
+static void lay_mesh(const Simulator *sim, State *state) {
+    const Scene *scene = &sim->scene;
     const NodalArrays nodal = state_arrays(state);
+    const double bottom_s = bottom_arc_length(scene, state->paths, state->t);
     double divider_s[DIVIDERS];
-    dividers_on_rope(&sim->scene, state->paths, t, divider_s);
-    partition(&sim->mesh, scene->rope.length, bottom_arc_length(&sim->scene, state->paths, t), divider_s,
-              nodal.elements, &state->pattern, nodal.lengths);
+    dividers_on_rope(scene, state->paths, state->t, divider_s);
+    partition(&sim->mesh, scene->rope.length, bottom_s, divider_s, nodal.elements, &state->pattern, nodal.lengths);
     arc_lengths(nodal.elements, nodal.lengths, nodal.s);
+}
+
+/* Hang the rope between its suspension points, and bring it to rest. */
+static RopeStatus bring_to_rest(Simulator *sim, State *state, const EndMotion ends[2], double points[2][3],
+                                char *message) {
+    const NodalArrays nodal = state_arrays(state);
     if (!hanging_guess(nodal.nodes, nodal.s, points[LEFT], points[RIGHT], nodal.q, message)) return ROPE_FAILED;
     start_director(state, nodal.q);
     state->offsets[RIGHT] = end_conditions_right_offset(points[LEFT], points[RIGHT]);
-    state->swivels[RIGHT].angle = scene->rope.installed_twist;
-    state->step_next = state->last_interval = scene->solver.step_max;
+    state->swivels[RIGHT].angle = sim->scene.rope.installed_twist;
     state->loop_yaw = ends_yaw(&nodal);
-    if (!(state->fidelity == RIGID ? as_rigid(sim, state, t, message) : hang(sim, state, ends, message)))
-        return ROPE_FAILED;
-    if (start_hysteresis(sim->reference.wires, state)) rope_system_refer(sim, state, nodal.q);
+    if (state->fidelity == RIGID) return as_rigid(sim, state, state->t, message);
+    return hang(sim, state, ends, message);
+}
+
+/* Begin the books of a rope at rest: means, energies, audit, passages and guards. */
+static void begin_books(Simulator *sim, State *state) {
+    const NodalArrays nodal = state_arrays(state);
     for (int side = LEFT; side <= RIGHT; side++) state->force_mean[side] = -vertical_reaction(&nodal, side);
     state->energy_balance.start = energy_balance_total(&state->energy_balance);
     state->event_count = 0;
     begin_audit(sim, state);
     far_bodies(state->nearest);
-    set_rise_reference(scene, state);
+    set_rise_reference(&sim->scene, state);
     update_passages(&sim->scene, sim->self_contact, state);
-    update_guards(scene, state);
+    update_guards(&sim->scene, state);
+}
+
+static RopeStatus initialize(Simulator *sim, double t, const EndMotion ends[2]) {
+    const Scene *scene = &sim->scene;
+    State *state = sim->next;
+    char *message = sim->message;
+    double points[2][3];
+    if (!(fabs(t) <= STEPPING_MAX_START_TIME)) return say_start_time_out_of_range(message, t, STEPPING_MAX_START_TIME);
+    memset(state, 0, sim->state_bytes);
+    state->elements = sim->elements;
+    state->t = t;
+    state->calm_since = t;
+    state->step_next = scene->solver.step_max;
+    state->last_interval = scene->solver.step_max;
+    if (!hold_ends(scene, state, ends, points, message)) return ROPE_FAILED;
+    if (!choose_model(sim, state, ends, message)) return ROPE_FAILED;
+    lay_mesh(sim, state);
+    if (!bring_to_rest(sim, state, ends, points, message)) return ROPE_FAILED;
+    if (start_hysteresis(sim->reference.wires, state)) rope_system_refer(sim, state, state_arrays(state).q);
+    begin_books(sim, state);
     memset(&sim->last, 0, sizeof sim->last); /* equal states are saved as equal bytes */
     return accept_next(sim);
 }

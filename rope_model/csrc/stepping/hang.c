@@ -18,6 +18,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "adaptation.h"
@@ -53,9 +54,17 @@ static RopeStatus equilibrium_in_frame(Simulator *sim, State *state, double max_
     return ROPE_DONE;
 }
 
+/* Turn the right end by `step`, and the rope before it in proportion. */
+static void add_twist(State *state, double step) {
+    const NodalArrays nodal = state_arrays(state);
+    state->offsets[RIGHT] += step;
+    for (int k = 0; k < nodal.nodes; k++)
+        nodal.q[(size_t)k * DOF + ANGLE] += step * (nodal.s[k] / nodal.s[nodal.elements]);
+}
+
 /* Add twist in steps, each to an equilibrium.  `spare` has the state before the latest step. */
 static RopeStatus turn_in(Simulator *sim, State *state, double twist, char *message) {
-    const NodalArrays nodal = state_arrays(state);
+    const int64_t *corrections = &sim->search.corrections;
     double left = twist;              /* still to be added */
     double beyond = INFINITY;         /* twist left behind a step that turned the loop too far */
     double size = STATICS_TWIST_STEP; /* of the next step */
@@ -64,18 +73,16 @@ static RopeStatus turn_in(Simulator *sim, State *state, double twist, char *mess
         const double step = size < fabs(left) ? copysign(size, twist) : left;
         const bool last = fabs(step) <= STATICS_MIN_TWIST_STEP;
         char why[MESSAGE];
-        if (sim->search.corrections >= STATICS_MAX_TWISTING) {
+        if (*corrections >= STATICS_MAX_TWISTING) {
             say_takes_too_long(why);
-            return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)sim->search.corrections, why);
+            return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)*corrections, why);
         }
         memcpy(sim->spare, state, sim->state_bytes);
-        state->offsets[RIGHT] += step;
-        for (int k = 0; k < nodal.nodes; k++)
-            nodal.q[(size_t)k * DOF + ANGLE] += step * (nodal.s[k] / nodal.s[nodal.elements]);
+        add_twist(state, step);
         if (!equilibrium_in_frame(sim, state, last ? INFINITY : STATICS_MAX_TURN, message)) {
             if (!sim->search.turned) {
                 memcpy(why, message, MESSAGE);
-                return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)sim->search.corrections, why);
+                return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)*corrections, why);
             }
             memcpy(state, sim->spare, sim->state_bytes);
             message[0] = '\0';
@@ -160,36 +167,52 @@ static RopeStatus hang_while_it_turns(Simulator *sim, State *state, const Before
     return let_curve(sim, state, message);
 }
 
+/* Return the side of the loosest swivel that starts relaxed, cannot hold and has not slipped (sign 0); -1 for none. */
+static int loosest_swivel(const Simulator *sim, State *state, const double sign[2]) {
+    const NodalArrays nodal = state_arrays(state);
+    int loosest = -1;
+    double least = INFINITY;
+    for (int side = LEFT; side <= RIGHT; side++) {
+        const Swivel *swivel = &sim->scene.swivels[side];
+        if (sign[side] != 0 || !swivel_phases_relaxes(swivel, &state->swivels[side], state->t)) continue;
+        const double tension = ends_tension(&sim->scene, &nodal, side);
+        const double friction = swivel_phases_kinetic_friction(swivel, tension);
+        const double moment = end_row(nodal.reaction, nodal.nodes, side)[ANGLE];
+        if (!(swivel_phases_beyond_rest(swivel, tension, moment) >= 0 && friction < least)) continue;
+        loosest = side;
+        least = friction;
+    }
+    return loosest;
+}
+
+/* Let the swivels with a sign slip in its sense. */
+static void let_slip(State *state, const double sign[2]) {
+    for (int side = LEFT; side <= RIGHT; side++)
+        if (sign[side] != 0) state->swivels[side] = (SwivelState){.sign = sign[side], .phase = SLIP};
+}
+
+/* Lock the swivels that slip where they are. */
+static void lock_slipping(State *state) {
+    for (int side = LEFT; side <= RIGHT; side++)
+        if (state->swivels[side].phase == SLIP)
+            state->swivels[side] = (SwivelState){.angle = swivel_angle(state, side), .phase = LOCKED};
+}
+
 /* Let the swivels that start relaxed, and cannot hold, slip to equilibrium, the loosest first; from `before` or NULL.
  */
 static RopeStatus relax(Simulator *sim, State *state, const Before *before, char *message) {
     const NodalArrays nodal = state_arrays(state);
     double sign[2] = {0, 0};
     do {
-        int loosest = -1;
-        double least = INFINITY;
-        for (int side = LEFT; side <= RIGHT; side++) {
-            const Swivel *swivel = &sim->scene.swivels[side];
-            const double *R = end_row(nodal.reaction, nodal.nodes, side);
-            const double tension = ends_tension(&sim->scene, &nodal, side);
-            if (sign[side] != 0 || !swivel_phases_relaxes(swivel, &state->swivels[side], state->t)) continue;
-            const double friction = swivel_phases_kinetic_friction(swivel, tension);
-            if (!(swivel_phases_beyond_rest(swivel, tension, R[ANGLE]) >= 0 && friction < least)) continue;
-            loosest = side;
-            least = friction;
-        }
+        const int loosest = loosest_swivel(sim, state, sign);
         if (loosest < 0) return ROPE_DONE;
         const bool first = before != NULL && sign[LEFT] == 0 && sign[RIGHT] == 0;
         sign[loosest] = copysign(1, -end_row(nodal.reaction, nodal.nodes, loosest)[ANGLE]);
-        for (int side = LEFT; side <= RIGHT; side++)
-            if (sign[side] != 0) state->swivels[side] = (SwivelState){.sign = sign[side], .phase = SLIP};
-        if (!(first ? hang_while_it_turns(sim, state, before, loosest, message)
-                    : equilibrium_in_frame(sim, state, INFINITY, message)))
-            return ROPE_FAILED;
-        for (int side = LEFT; side <= RIGHT; side++) {
-            if (sign[side] == 0) continue;
-            state->swivels[side] = (SwivelState){.angle = swivel_angle(state, side), .phase = LOCKED};
-        }
+        let_slip(state, sign);
+        const RopeStatus found = first ? hang_while_it_turns(sim, state, before, loosest, message)
+                                       : equilibrium_in_frame(sim, state, INFINITY, message);
+        if (!found) return ROPE_FAILED;
+        lock_slipping(state);
         if (!equilibrium_in_frame(sim, state, INFINITY, message)) return ROPE_FAILED;
     } while (is_curved(sim->reference.curved, &sim->scene.rope, state->fidelity));
     return ROPE_DONE;
@@ -204,7 +227,8 @@ static RopeStatus hang_in_loop(Simulator *sim, State *state, char *message) {
     const double twist = before.ends[RIGHT][0][ANGLE] - first;
     untwist(&nodal, first);
     state->offsets[RIGHT] -= twist;
-    sim->search.corrections = sim->search.solutions = 0;
+    sim->search.corrections = 0;
+    sim->search.solutions = 0;
     return let_curve(sim, state, message) && turn_in(sim, state, twist, message) && relax(sim, state, &before, message);
 }
 
