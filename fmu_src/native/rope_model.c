@@ -6,7 +6,7 @@
 #include "rope.h"
 #include "rope_table.h"
 
-enum { FORCES = 12 };
+enum { LOADS = 12 };
 
 struct ModelInstance {
     Simulator *sim;
@@ -103,7 +103,8 @@ bool model_time(const ModelInstance *model, double *t, char *message) {
 
 bool model_output(ModelInstance *model, size_t scalar, double *value, char *message) {
     (void)message;
-    rope_signals(model->sim, 1, &(int){(int)ROPE_PLACES[scalar].offset}, value);
+    const int signal = (int)ROPE_PLACES[scalar].offset;
+    rope_signals(model->sim, 1, &signal, value);
     return true;
 }
 
@@ -115,23 +116,24 @@ bool model_warning(ModelInstance *model, int index, char *message) {
 }
 
 /* Return all warnings, a line each. */
-static const char *warning(ModelInstance *model) {
+static const char *all_warnings(ModelInstance *model) {
     char text[MESSAGE_BYTES];
     char *end = model->warning;
     char *const stop = end + sizeof(model->warning);
     *end = '\0';
-    for (int k = 0; model_warning(model, k, text); k++)
-        if (*text) end += snprintf(end, (size_t)(stop - end), "%s%s", end > model->warning ? "\n" : "", text);
+    for (int k = 0; model_warning(model, k, text); k++) {
+        const char *separator = end > model->warning ? "\n" : "";
+        if (*text) end += snprintf(end, (size_t)(stop - end), "%s%s", separator, text);
+    }
     return model->warning;
 }
 
 bool model_text(ModelInstance *model, size_t scalar, const char **text, char *message) {
     (void)message;
-    if (ROPE_PLACES[scalar].where == WARNING)
-        *text = warning(model);
-    else
-        *text =
-            ROPE_PLACES[scalar].where == FIDELITY_NAME ? rope_fidelity(model->sim) : rope_fidelity_reason(model->sim);
+    const enum Where where = ROPE_PLACES[scalar].where;
+    if (where == WARNING) *text = all_warnings(model);
+    if (where == FIDELITY_NAME) *text = rope_fidelity(model->sim);
+    if (where == FIDELITY_REASON) *text = rope_fidelity_reason(model->sim);
     return true;
 }
 
@@ -146,7 +148,7 @@ bool model_derivative(ModelInstance *model, size_t known, double seed, const uns
                       double *sum, char *message) {
     const int side = ROPE_PLACES[known].where == RIGHT_MOTION;
     const int input = side * END_MOTIONS + (int)ROPE_PLACES[known].offset;
-    double force[FORCES];
+    double loads[LOADS]; /* their derivatives */
     for (size_t i = 0; i < count; i++)
         if (ROPE_PLACES[unknown[i]].derivative < 0) {
             write_message(message,
@@ -154,8 +156,8 @@ bool model_derivative(ModelInstance *model, size_t known, double seed, const uns
                           MODEL_VARIABLES[unknown[i]].name);
             return false;
         }
-    if (!succeeded(model, rope_load_derivative(model->sim, input, model->at_step_end, force), message)) return false;
-    for (size_t i = 0; i < count; i++) sum[i] += seed * force[ROPE_PLACES[unknown[i]].derivative];
+    if (!succeeded(model, rope_load_derivative(model->sim, input, model->at_step_end, loads), message)) return false;
+    for (size_t i = 0; i < count; i++) sum[i] += seed * loads[ROPE_PLACES[unknown[i]].derivative];
     return true;
 }
 

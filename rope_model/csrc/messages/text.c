@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { MAX_DECIMALS = 16 }; /* of a double in scientific notation */
+
 /* Write x if it is not finite; some C libraries print "-nan" or "nan(ind)". */
 static bool not_finite(char *buffer, double x) {
     if (isfinite(x)) return false;
@@ -44,8 +46,8 @@ static bool reads_back(char *buffer, double x) {
 const char *text_exact(char buffer[NUMBER], double x) {
     int decimals = 0;
     if (not_finite(buffer, x)) return buffer;
-    do snprintf(buffer, NUMBER, "%.*e", decimals, x);
-    while (!reads_back(buffer, x) && ++decimals < 17);
+    snprintf(buffer, NUMBER, "%.*e", decimals, x);
+    while (!reads_back(buffer, x) && decimals < MAX_DECIMALS) snprintf(buffer, NUMBER, "%.*e", ++decimals, x);
     const int exponent = atoi(strchr(buffer, 'e') + 1);
     if (exponent >= -4 && exponent < 16) {
         decimals = decimals - exponent;

@@ -117,31 +117,44 @@ static double nearest_squared(int points, double point[][3], int pieces, double 
     return least;
 }
 
+/* Points of one leg. */
+typedef struct {
+    int count;
+    double (*points)[3];
+} LegPoints;
+
+/* Return the points of a block, with as many pieces behind them as there are. */
+static LegPoints block_of(const LegPoints *leg, int block) {
+    return (LegPoints){at_most(leg->count - block * BLOCK, BLOCK), leg->points + block * BLOCK};
+}
+
+static int pieces_of(const LegPoints *leg, int block) {
+    return at_most(leg->count - 1 - block * BLOCK, BLOCK);
+}
+
 /* Return the same for the points of two blocks, each with the pieces of the other. */
-static double between_squared(int m, int lefts, double left[LEG][3], int n, int rights, double right[LEG][3],
+static double between_squared(const LegPoints *left, int left_block, const LegPoints *right, int right_block,
                               double least) {
-    const int i = m * BLOCK;
-    const int k = n * BLOCK;
-    const int some = at_most(lefts - i, BLOCK);
-    const int others = at_most(rights - k, BLOCK);
-    least = nearest_squared(some, left + i, at_most(rights - 1 - k, BLOCK), right + k, least);
-    return nearest_squared(others, right + k, at_most(lefts - 1 - i, BLOCK), left + i, least);
+    const LegPoints lefts = block_of(left, left_block);
+    const LegPoints rights = block_of(right, right_block);
+    least = nearest_squared(lefts.count, lefts.points, pieces_of(right, right_block), rights.points, least);
+    return nearest_squared(rights.count, rights.points, pieces_of(left, left_block), lefts.points, least);
 }
 
 /* Return the smallest square of a distance between the points of a leg and the pieces of the other.  `pair`: nearest
    blocks; the next call starts with them and then skips most others. */
-static double smallest_squared(int lefts, double left[LEG][3], int rights, double right[LEG][3], int pair[2]) {
-    double of_left[BLOCKS][6], of_right[BLOCKS][6];
-    const int top = (lefts - 1) / BLOCK;
-    const int other_top = (rights - 1) / BLOCK;
-    double least =
-        between_squared(at_most(pair[0], top), lefts, left, at_most(pair[1], other_top), rights, right, HUGE_VAL);
-    blocks_of(lefts, left, of_left);
-    blocks_of(rights, right, of_right);
-    for (int m = top; m >= 0; m--)
-        for (int n = other_top; n >= 0; n--) {
-            if (!(centreline_min_squared_distance(of_left[m], of_right[n]) < least)) continue;
-            const double found = between_squared(m, lefts, left, n, rights, right, least);
+static double smallest_squared(const LegPoints *left, const LegPoints *right, int pair[2]) {
+    double left_bounds[BLOCKS][6];
+    double right_bounds[BLOCKS][6];
+    const int left_top = (left->count - 1) / BLOCK;
+    const int right_top = (right->count - 1) / BLOCK;
+    double least = between_squared(left, at_most(pair[0], left_top), right, at_most(pair[1], right_top), HUGE_VAL);
+    blocks_of(left->count, left->points, left_bounds);
+    blocks_of(right->count, right->points, right_bounds);
+    for (int m = left_top; m >= 0; m--)
+        for (int n = right_top; n >= 0; n--) {
+            if (!(centreline_min_squared_distance(left_bounds[m], right_bounds[n]) < least)) continue;
+            const double found = between_squared(left, m, right, n, least);
             if (!(found < least)) continue;
             least = found;
             pair[0] = m;
@@ -160,8 +173,8 @@ double leg_clearance(int nodes, const double *q, const double *s, const LoopBott
     diagnostics_shape(nodes, q, s, SAMPLING_OUTLINE, places, outline);
     double height = bottom->position[UP] + above;
     double (*lowest)[3] = outline + LEG - 1;
-    const int lefts = part_above(lowest, -1, height, left);
-    const int rights = part_above(lowest, 1, height, right);
-    if (lefts < 2 || rights < 2) return HUGE_VAL;
-    return sqrt(smallest_squared(lefts, left, rights, right, pair)) - diameter;
+    const LegPoints lefts = {part_above(lowest, -1, height, left), left};
+    const LegPoints rights = {part_above(lowest, 1, height, right), right};
+    if (lefts.count < 2 || rights.count < 2) return HUGE_VAL;
+    return sqrt(smallest_squared(&lefts, &rights, pair)) - diameter;
 }
