@@ -98,6 +98,14 @@ static RopeStatus record(Simulator *sim, const HostStep *host) {
     return ROPE_DONE;
 }
 
+/* Add `times` the change to a path. */
+static void add_change(EndPath *path, const Change *change, double times) {
+    for (int k = 0; k < PATHS; k++) {
+        double *coefficients = k < AXES ? path->coefficients[k] : path->leans[k - AXES];
+        for (int power = 0; power < POWERS; power++) coefficients[power] += times * change->coefficients[k][power];
+    }
+}
+
 /* Take the recorded step again, with `times` the change added to the paths. */
 static RopeStatus repeat(Simulator *sim, const Change *change, double times, double loads[LOADS]) {
     Replay *replay = &sim->replay;
@@ -105,10 +113,7 @@ static RopeStatus repeat(Simulator *sim, const Change *change, double times, dou
     replay->repeats++;
     memcpy(state, sim->state, sim->state_bytes);
     memcpy(state->paths, replay->paths, sizeof replay->paths);
-    EndPath *path = &state->paths[change->side];
-    for (int k = 0; k < PATHS; k++)
-        for (int power = 0; power < POWERS; power++)
-            (k < AXES ? path->coefficients[k] : path->leans[k - AXES])[power] += times * change->coefficients[k][power];
+    add_change(&state->paths[change->side], change, times);
     rope_system_refer(sim, state, state_arrays(state).q);
     if (state->fidelity != replay->fidelity && !raise_fidelity(sim, state, "", sim->message)) return ROPE_FAILED;
     for (int k = 0; k < replay->count; k++)

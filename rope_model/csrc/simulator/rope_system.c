@@ -26,34 +26,38 @@
 #include "system.h"
 #include "wires.h"
 
+/* Add boundary conditions and swivel of an end to the equations. */
+static void set_end(System *sys, const Scene *scene, const State *state, int side) {
+    const Swivel *swivel = &scene->swivels[side];
+    const SwivelState *now = &state->swivels[side];
+    ends_freedom(scene, state, side, sys->free[side]);
+    sys->inertia[side] = swivel->inertia;
+    sys->plumb[side] = swivel->attachment == PLUMB;
+    sys->load[side] = swivel_phases_slip_constant(swivel, now);
+    sys->friction_load[side] = swivel_phases_slip_per_tension(swivel, now);
+}
+
 static System system_of(const Simulator *sim, State *state) {
-    const Rope *data = &sim->scene.rope;
-    const NodalArrays x = state_arrays(state);
-    System sys = {.elements = x.elements,
-                  .lengths = x.lengths,
+    const Scene *scene = &sim->scene;
+    const Rope *rope = &scene->rope;
+    const Air *air = &scene->shaft.air;
+    const NodalArrays nodal = state_arrays(state);
+    System sys = {.elements = nodal.elements,
+                  .lengths = nodal.lengths,
                   .frames = sim->reference.frames,
-                  .obstacles = sim->obstacles->bodies > 0 ? sim->obstacles : NULL,
-                  .self_contact = sim->self_contact->presses ? sim->self_contact : NULL,
-                  .forces = sim->forces.count > 0 ? &sim->forces : NULL,
                   .time = state->t,
-                  .wires = state->rubs ? sim->reference.wires : NULL,
-                  .curved = is_curved(sim->reference.curved, &sim->scene.rope, state->fidelity) ? sim->reference.curved
-                                                                                                : NULL,
                   .wire_tangents = sim->work.wire_tangents,
-                  .shortest = x.lengths[0]};
-    element_parameters(data, sim->scene.layout.gravity, sys.P);
-    sys.air_acts = air_acts(&sim->scene.shaft.air, data->diameter);
-    air_coefficients(&sim->scene.shaft.air, data->diameter, sim->scene.layout.spacing, sys.air);
-    for (int k = 1; k < x.elements; k++) sys.shortest = fmin(sys.shortest, x.lengths[k]);
-    for (int side = LEFT; side <= RIGHT; side++) {
-        const Swivel *swivel = &sim->scene.swivels[side];
-        const SwivelState *now = &state->swivels[side];
-        ends_freedom(&sim->scene, state, side, sys.free[side]);
-        sys.inertia[side] = swivel->inertia;
-        sys.plumb[side] = swivel->attachment == PLUMB;
-        sys.load[side] = swivel_phases_slip_constant(swivel, now);
-        sys.friction_load[side] = swivel_phases_slip_per_tension(swivel, now);
-    }
+                  .shortest = nodal.lengths[0]};
+    for (int k = 1; k < nodal.elements; k++) sys.shortest = fmin(sys.shortest, nodal.lengths[k]);
+    if (sim->obstacles->bodies > 0) sys.obstacles = sim->obstacles;
+    if (sim->self_contact->presses) sys.self_contact = sim->self_contact;
+    if (sim->forces.count > 0) sys.forces = &sim->forces;
+    if (state->rubs) sys.wires = sim->reference.wires;
+    if (is_curved(sim->reference.curved, rope, state->fidelity)) sys.curved = sim->reference.curved;
+    element_parameters(rope, scene->layout.gravity, sys.P);
+    sys.air_acts = air_acts(air, rope->diameter);
+    air_coefficients(air, rope->diameter, scene->layout.spacing, sys.air);
+    for (int side = LEFT; side <= RIGHT; side++) set_end(&sys, scene, state, side);
     return sys;
 }
 

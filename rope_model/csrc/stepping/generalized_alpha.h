@@ -11,7 +11,8 @@
 
 /* A trial step; its arrays are Workspace.trial. */
 typedef struct {
-    double t, h;        /* end and length of the step, s */
+    double t;           /* end of the step, s */
+    double h;           /* its length, s */
     double error;       /* local error, by chain_norm */
     double strains[2];  /* local error of the strains at the ends */
     double error_ratio; /* largest local error divided by its tolerance */
