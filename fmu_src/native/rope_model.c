@@ -58,7 +58,7 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
         return NULL;
     }
     memset(model, 0, sizeof *model);
-    model->memory = (Memory){allocator->allocate, allocator->deallocate};
+    model->memory = (Memory){.allocate = allocator->allocate, .deallocate = allocator->deallocate};
     read_parameters(model, values);
     model->sim = rope_create(&model->scene, &model->memory, message);
     if (model->sim) return model;

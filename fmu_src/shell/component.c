@@ -27,7 +27,11 @@ size_t scalars_bytes(void) {
 
 /* Return the arrays that follow each other in a block of scalars_bytes(). */
 static Scalars scalars_in(double *block) {
-    return (Scalars){block, block + MODEL_SCALARS, block + 2 * MODEL_SCALARS};
+    return (Scalars){
+        .entries = block,
+        .used = block + MODEL_SCALARS,
+        .origins = block + 2 * MODEL_SCALARS,
+    };
 }
 
 /* Record that the model uses the present entries. */

@@ -10,8 +10,9 @@ typedef struct {
     Allocator allocator;
     fmi3LogMessageCallback log;
     fmi3InstanceEnvironment environment;
-    bool logging; /* true if notes are logged */
-    bool event_mode, early_return;
+    bool logging;      /* true if notes are logged */
+    bool event_mode;   /* true if the host handles events */
+    bool early_return; /* true if a step may end early */
 } Instance;
 
 static void log_message(void *context, Severity severity, const char *message) {
@@ -60,7 +61,13 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
         wrong = reason;
     if (!wrong) {
         Instance *i = create_instance((Instance){
-            NULL, {calloc, free}, logMessage, instanceEnvironment, loggingOn, eventModeUsed, earlyReturnAllowed});
+            .allocator = {.allocate = calloc, .deallocate = free},
+            .log = logMessage,
+            .environment = instanceEnvironment,
+            .logging = loggingOn,
+            .event_mode = eventModeUsed,
+            .early_return = earlyReturnAllowed,
+        });
         if (i) return i;
         wrong = NO_MEMORY;
     }

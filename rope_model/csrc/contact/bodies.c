@@ -11,7 +11,7 @@
 enum { GROUP = 12 }; /* elements that share a box in the broad phase of contact detection */
 
 static int add(Placed *bodies, int count, int kind, int moves_with, Body body) {
-    bodies[count] = (Placed){kind, moves_with, body};
+    bodies[count] = (Placed){.kind = kind, .moves_with = moves_with, .body = body};
     return count + 1;
 }
 

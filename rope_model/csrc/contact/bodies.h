@@ -7,7 +7,8 @@
 
 enum { FIXED = -1, MAX_BODIES = 10 };
 typedef struct {
-    int kind, moves_with; /* moves_with: LEFT, RIGHT or FIXED */
+    int kind;
+    int moves_with; /* LEFT, RIGHT or FIXED */
     Body body;
 } Placed;
 

@@ -34,7 +34,8 @@ static double guards_sideways(const NodalArrays *nodal, double height, const Loo
 void set_rise_reference(const Scene *scene, State *state) {
     const NodalArrays nodal = state_arrays(state);
     const LoopBottom bottom = loop_bottom(nodal.nodes, nodal.q, nodal.s);
-    state->guard = (GuardState){0, 0, 0, {GUARD_NEVER, GUARD_NEVER, GUARD_NEVER, GUARD_NEVER, GUARD_NEVER}};
+    state->guard = (GuardState){0};
+    for (int guard = 0; guard < GUARDS; guard++) state->guard.since[guard] = GUARD_NEVER;
     state->guard.rest = guards_rise(scene, state, &nodal, &bottom);
 }
 

@@ -28,9 +28,11 @@
 /* Search for the place nearest to a body, in the part of the rope between two nodes. */
 typedef struct {
     Placed placed;
-    int first, last;
-    double radius, t;
-    Nearest nearest;
+    int first;     /* node */
+    int last;      /* node */
+    double radius; /* of the rope, m */
+    double t;
+    Nearest nearest; /* so far */
 } NearestSearch;
 
 /* True if contents of the box may be nearer than the nearest place so far. */
@@ -45,7 +47,8 @@ static void probe(NearestSearch *search, double s, const double *place) {
     const double known = search->nearest.clearance;
     if (!(clearance < known)) return;
     const double touched = clearance <= 0 && 0 < known ? search->t : search->nearest.touched_at;
-    search->nearest = (Nearest){clearance, search->t, s, place[UP], touched};
+    search->nearest =
+        (Nearest){.clearance = clearance, .time = search->t, .s = s, .y = place[UP], .touched_at = touched};
 }
 
 /* Search a piece of this length from s on, between the places and slopes a and b, by bisection. */
@@ -70,7 +73,12 @@ static int searches_of(const Scene *scene, const NodalArrays *nodal, double t, c
     for (int n = 0; n < count; n++) {
         const int first = bodies[n].moves_with == LEFT ? lowest : 0;
         const int last = bodies[n].moves_with == RIGHT ? lowest : nodal->elements;
-        searches[n] = (NearestSearch){bodies[n], first, last, 0.5 * scene->rope.diameter, t, nearest[bodies[n].kind]};
+        searches[n] = (NearestSearch){.placed = bodies[n],
+                                      .first = first,
+                                      .last = last,
+                                      .radius = 0.5 * scene->rope.diameter,
+                                      .t = t,
+                                      .nearest = nearest[bodies[n].kind]};
     }
     return count;
 }
@@ -150,9 +158,10 @@ void update_passages(const Scene *scene, SelfContactState *self_contact, State *
     const LoopTurns turns = loop_turns(&nodal, &bottom);
     const double net = elementary_nearest_whole(
         centreline_turns(centreline_nearest_turn(bottom.yaw, state->loop_yaw), line, turns.number));
-    const bool first = net != crossing->net && crossing->number == 0;
-    if (first) crossing->since = state->t;
-    if (first) crossing->y = turns.sharpest_y;
+    if (net != crossing->net && crossing->number == 0) {
+        crossing->since = state->t;
+        crossing->y = turns.sharpest_y;
+    }
     crossing->number += fabs(net - crossing->net);
     crossing->net = net;
 }

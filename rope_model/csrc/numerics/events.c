@@ -7,9 +7,7 @@
 
 #include "formulas.h"
 
-double locate(double (*f)(void *, double), void *data, double low, double high, double f_low, double f_high,
-              double width) {
-    Bracket bracket = {low, high, f_low, f_high, 0, 0};
+double locate(double (*f)(void *, double), void *data, Bracket bracket, double width) {
     while (bracket.high - bracket.low > width) {
         const double x = events_trial_x(&bracket, width);
         if (!(bracket.low < x && x < bracket.high)) break;

@@ -125,7 +125,8 @@ typedef struct {
 
 /* Return the points of a block, with as many pieces behind them as there are. */
 static LegPoints block_of(const LegPoints *leg, int block) {
-    return (LegPoints){at_most(leg->count - block * BLOCK, BLOCK), leg->points + block * BLOCK};
+    const int first = block * BLOCK;
+    return (LegPoints){.count = at_most(leg->count - first, BLOCK), .points = leg->points + first};
 }
 
 static int pieces_of(const LegPoints *leg, int block) {
@@ -173,8 +174,8 @@ double leg_clearance(int nodes, const double *q, const double *s, const LoopBott
     diagnostics_shape(nodes, q, s, SAMPLING_OUTLINE, places, outline);
     double height = bottom->position[UP] + above;
     double (*lowest)[3] = outline + LEG - 1;
-    const LegPoints lefts = {part_above(lowest, -1, height, left), left};
-    const LegPoints rights = {part_above(lowest, 1, height, right), right};
+    const LegPoints lefts = {.count = part_above(lowest, -1, height, left), .points = left};
+    const LegPoints rights = {.count = part_above(lowest, 1, height, right), .points = right};
     if (lefts.count < 2 || rights.count < 2) return HUGE_VAL;
     return sqrt(smallest_squared(&lefts, &rights, pair)) - diameter;
 }

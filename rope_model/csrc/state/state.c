@@ -9,8 +9,9 @@
 #include "state_structures.h"
 
 void record_event(State *state, int what, int which, double kinetic, double potential) {
-    if (state->event_count < LOGGED_EVENTS)
-        state->events[state->event_count++] = (Event){state->t, kinetic, potential, what, which};
+    if (state->event_count == LOGGED_EVENTS) return;
+    state->events[state->event_count++] =
+        (Event){.t = state->t, .kinetic = kinetic, .potential = potential, .what = what, .which = which};
 }
 
 void copy_fields(const NodalArrays *to, const NodalArrays *from) {

@@ -46,13 +46,15 @@ static double next_stop(const Scene *scene, const State *state, double t_end) {
     const double stop = fmin(t_end, next_release(scene, state));
     const double ahead = fmin(stop, t + fmin(state->step_next, scene->solver.step_max));
     const double times[2] = {0.5 * (t + ahead), ahead};
-    DueContext context = {scene, state};
+    DueContext context = {.scene = scene, .state = state};
     const double at_start = due_at(&context, t);
     /* The next step finds a crossing between these times, at most one step late. */
     for (int k = 0; k < 2; k++) {
         const double value = due_at(&context, times[k]);
-        if (0 > at_start && value >= MESH_PATTERN_MAX_OVERSHOOT * state->pattern.coarse)
-            return fmin(locate(due_at, &context, t, times[k], at_start, value, SWIVEL_PHASES_EVENT_WIDTH), stop);
+        const bool passes = at_start < 0 && value >= MESH_PATTERN_MAX_OVERSHOOT * state->pattern.coarse;
+        if (!passes) continue;
+        const Bracket crossing = {.low = t, .high = times[k], .f_low = at_start, .f_high = value};
+        return fmin(locate(due_at, &context, crossing, SWIVEL_PHASES_EVENT_WIDTH), stop);
     }
     return stop;
 }
@@ -63,10 +65,25 @@ static int64_t steps_left(int64_t newton_limit, const State *state) {
     return left > 1 ? left : 1;
 }
 
+/* A step that is accepted, unless a swivel switches within it. */
+typedef struct {
+    StepResult trial;
+    double step_next; /* length of the step behind it, s */
+    bool reaches;     /* true if it leads to the stop */
+} Candidate;
+
+/* Refuse a step of the smallest length, which neither converges nor keeps to the tolerance. */
+static RopeStatus refuse_smallest_step(const Solver *solver, double h, const StepResult *trial, char *message) {
+    char why[MESSAGE];
+    if (!trial->converged) return say_step_fails(message, h, solver->step_min, NEWTON_MESSAGES[trial->newton.status]);
+    say_error_too_large(why, trial->error_ratio / solver->tolerance);
+    return say_step_fails(message, h, solver->step_min, why);
+}
+
 /* Try steps towards `stop`, halved until one converges within the tolerance, or exceeds it if the iterations left allow
    no more steps.  Fail if none does. */
-static RopeStatus accepted_step(Simulator *sim, State *state, double stop, StepResult *trial, double *step_next,
-                                bool *reaches, char *message) {
+static RopeStatus find_candidate(Simulator *sim, State *state, double stop, Candidate *candidate, char *message) {
+    StepResult *trial = &candidate->trial;
     const Solver *solver = &sim->scene.solver;
     double next = fmin(state->step_next, solver->step_max);
     double parts = step_control_substeps(stop - state->t, next, (double)steps_left(sim->newton_limit, state));
@@ -82,12 +99,7 @@ static RopeStatus accepted_step(Simulator *sim, State *state, double stop, StepR
         }
         rejected = true;
         state->counts.rejections += 1;
-        if (h <= solver->step_min) {
-            char why[MESSAGE];
-            if (trial->converged) say_error_too_large(why, trial->error_ratio / solver->tolerance);
-            return say_step_fails(message, h, solver->step_min,
-                                  trial->converged ? why : NEWTON_MESSAGES[trial->newton.status]);
-        }
+        if (h <= solver->step_min) return refuse_smallest_step(solver, h, trial, message);
         h = fmax(0.5 * h, solver->step_min);
         parts = 2;
         next = h;
@@ -96,8 +108,8 @@ static RopeStatus accepted_step(Simulator *sim, State *state, double stop, StepR
     const NextStep following = next_step(solver, &accepted, next, state->calm_since);
     state->calm_since = following.calm_since;
     state->counts.given_up += following.given_up > 0 || trial->newton.error > solver->newton_tolerance;
-    *step_next = following.length;
-    *reaches = parts == 1;
+    candidate->step_next = following.length;
+    candidate->reaches = parts == 1;
     return ROPE_DONE;
 }
 
@@ -115,9 +127,11 @@ RopeStatus as_rigid(Simulator *sim, State *state, double t, char *message) {
 
 /* Record an internal step that ends at the state's time. */
 static void record_step(Replay *replay, const State *state, double h, int corrections, Phases during) {
-    if (replay->recording && replay->count < MAX_TAKEN)
-        replay->steps[replay->count] = (TakenStep){h, state->t, corrections, during, phases_of(state)};
-    if (replay->recording) replay->count++;
+    if (!replay->recording) return;
+    if (replay->count < MAX_TAKEN)
+        replay->steps[replay->count] =
+            (TakenStep){.h = h, .t = state->t, .corrections = corrections, .during = during, .after = phases_of(state)};
+    replay->count++;
 }
 
 static RopeStatus rigid_step(Simulator *sim, State *state, double t_end, char *message) {
@@ -142,30 +156,30 @@ RopeStatus step_towards(Simulator *sim, State *state, double t_end, char *messag
     release_swivels(sim, state);
     const Phases during = phases_of(state);
     const double stop = next_stop(&sim->scene, state, t_end);
-    double step_next, end;
-    bool reaches;
+    Candidate candidate;
+    StepResult *trial = &candidate.trial;
+    double end; /* of the candidate, before it is shortened to an event */
     Switching switching;
-    StepResult trial;
     for (;;) {
-        if (!accepted_step(sim, state, stop, &trial, &step_next, &reaches, message)) return ROPE_FAILED;
-        end = trial.t;
-        switching = switching_step(sim, state, &trial);
+        if (!find_candidate(sim, state, stop, &candidate, message)) return ROPE_FAILED;
+        end = trial->t;
+        switching = switching_step(sim, state, trial);
         if (switching != NOT_FOUND) break;
         /* A shorter step may not reach the event, or locate it more easily. */
         state->step_next = fmax(0.5 * (end - state->t), sim->scene.solver.step_min);
         if (state->step_next > STEPPING_SHORTER * (end - state->t))
-            return say_step_to_event_fails(message, NEWTON_MESSAGES[trial.newton.status]);
+            return say_step_to_event_fails(message, NEWTON_MESSAGES[trial->newton.status]);
         state->counts.rejections += 1;
     }
-    commit_trial(sim, state, &trial);
-    state->step_next = step_next;
+    commit_trial(sim, state, trial);
+    state->step_next = candidate.step_next;
     state->counts.steps += 1;
-    if (reaches && trial.t == end) state->t = stop; /* without rounding error */
+    if (candidate.reaches && trial->t == end) state->t = stop; /* without rounding error */
     if (switching == SWITCHES) {
         switch_swivels(sim, state);
         if (chatters(state)) return say_swivel_chatters(message);
     }
-    record_step(&sim->replay, state, trial.h, trial.newton.iterations, during);
+    record_step(&sim->replay, state, trial->h, trial->newton.iterations, during);
     update_loop_yaw(state);
     return ROPE_DONE;
 }

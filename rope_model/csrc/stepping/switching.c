@@ -90,7 +90,8 @@ Switching switching_step(Simulator *sim, State *state, StepResult *trial) {
     }
     double at_start = excess(&sim->scene, state, state->t, &nodal);
     if (at_start >= 0) at_start = SWIVEL_PHASES_JUST_BEFORE;
-    const double h = locate(excess_after, &search, 0, trial->t - state->t, at_start, at_end, SWIVEL_PHASES_EVENT_WIDTH);
+    const Bracket step = {.high = trial->t - state->t, .f_low = at_start, .f_high = at_end};
+    const double h = locate(excess_after, &search, step, SWIVEL_PHASES_EVENT_WIDTH);
     *trial = compute_trial(sim, state, h);
     state->counts.newton += search.iterations + trial->newton.iterations;
     state->counts.given_up += search.iterations >= search.allowed;
