@@ -11,7 +11,7 @@ from typing import Any, get_type_hints
 import casadi as ca
 
 from rope_model.codegen.expressions import texts_of
-from rope_model.codegen.formulas import CONSTANTS, FORMULAS, STRUCTURES
+from rope_model.codegen.formulas import CONSTANTS, ENUMERATIONS, FORMULAS, STRUCTURES, Enumeration
 from rope_model.codegen.signatures import Formula, shape_of
 from rope_model.codegen.symbols import symbols_of
 from rope_model.physics.expressions import no_simplification
@@ -50,7 +50,16 @@ def formulas_code() -> str:
     structures = map(_definition, STRUCTURES)
     functions = map(function_code, map(Formula, FORMULAS))
     constants = "".join(f"#define {name} {_value(value)}\n" for name, value in CONSTANTS.items())
-    return "\n".join((_HEAD, constants, *structures, *functions, "#endif\n"))
+    enumerations = "".join(_enumeration(of, each) for of, each in ENUMERATIONS.items())
+    return "\n".join((_HEAD, constants, enumerations, *structures, *functions, "#endif\n"))
+
+
+def _enumeration(of: str, enumeration: Enumeration) -> str:
+    names = ", ".join(filter(None, (*enumeration.names, enumeration.number)))
+    text = f"enum {{ {names} }}"
+    if enumeration.of_type:
+        text = f"typedef {text} {enumeration.of_type}"
+    return f"/* {of} */\n{text};\n"
 
 
 def _value(value: float | str | tuple[Any, ...]) -> str:

@@ -1,9 +1,9 @@
 """List of the formulas, structures and constants that C takes from Python; ``formula_functions`` prints them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from itertools import accumulate
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 from rope_model.boundary import (
     bodies,
@@ -413,16 +413,7 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     **{snake_case(kind.__name__).upper(): length_of(kind) for kind in ARRAY_RECORDS},
     "AIR_SIZE": air_element.AIR_SIZE,
     "ENERGIES": len(element.ENERGIES),
-    "MOMENTUM": len(element.MOMENTUM),
-    "STRAINS": len(element.STRAINS),
-    "AIR_BALANCE": len(air_element.AIR_BALANCE),
-    **{name.upper(): k for k, name in enumerate(element.BALANCE)},
-    **{f"STRAIN_{name.upper()}": k for k, name in enumerate(element.STRAINS)},
-    **{f"MOMENTUM_{name.upper()}": k for k, name in enumerate(element.MOMENTUM)},
-    **{name.upper(): k for k, name in enumerate(air_element.AIR_BALANCE)},
     "LOSSES": len(element.BALANCE) - len(element.ENERGIES),
-    **{status.name: status.code for status in newton.NewtonStatus},
-    **{f"P_{name.upper()}": k for k, name in enumerate(element.PARAMETERS)},
     "FAR": FAR,
     "DIVIDERS": len(mesh_fit.NO_DIVIDERS),
     "SETTLING_TOLERANCE": stepping.NEWTON_TOLERANCE,
@@ -437,4 +428,29 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     "WIRE_WEIGHTS": element.WEIGHTS,
     "NEWTON_TEXTS": tuple(status.text for status in newton.NewtonStatus),
     "CONTACT_POINTS": len(contact_points.PARTS),
+}
+
+
+class Enumeration(NamedTuple):
+    """Names of indices in C, with their number as the last one, and the type of them."""
+
+    names: tuple[str, ...]
+    number: str = ""  # none
+    of_type: str = ""  # none
+
+
+def _upper(names: Iterable[str], prefix: str = "") -> tuple[str, ...]:
+    return tuple(f"{prefix}{name.upper()}" for name in names)
+
+
+#: enumerations by what they index
+ENUMERATIONS: dict[str, Enumeration] = {
+    "parameters of the element functions": Enumeration(_upper(element.PARAMETERS, "P_")),
+    "energies of an element, and losses from ENERGIES on": Enumeration(_upper(element.BALANCE)),
+    "strains of an element": Enumeration(_upper(element.STRAINS, "STRAIN_"), "STRAINS"),
+    "momentum of an element": Enumeration(_upper(element.MOMENTUM, "MOMENTUM_"), "MOMENTUM"),
+    "power and load by the air": Enumeration(_upper(air_element.AIR_BALANCE), "AIR_BALANCE"),
+    "outcome of Newton's method": Enumeration(
+        tuple(status.name for status in newton.NewtonStatus), of_type="NewtonStatus"
+    ),
 }

@@ -29,7 +29,7 @@ SMALL = 1e-4  #: largest such tolerance
 
 
 class NewtonStatus(Enum):
-    """Outcome of an iteration, with its code and a message for the user."""
+    """Outcome of an iteration, with its code, which counts from 0, and a message for the user."""
 
     TOO_MANY = 0, "Newton iteration did not converge within the allowed iterations"
     CONVERGED = 1, "Newton iteration converged"

@@ -16,8 +16,8 @@ enum { THETA, THETA_T, THETA_TT, ROTATIONS };
 enum { MAX_LANES = 8 }; /* the last group of elements may have lanes to spare */
 
 /* Operations on a chain of elements at one fidelity: `solve` is FN(solve) of chain_of_fidelity.inc, called
-   torsional_solve and so on; the others are FN(...) of that file and of element_sums.inc, in the order of CHAIN in
-   chains_of_form.inc. */
+   torsional_solve and so on; the others are FN(...) of that file and of element_sums.inc, as CHAIN in
+   chains_of_form.inc lists them. */
 typedef struct {
     /* Newton's method: correct q, v, a of `trial` until the residual is zero where free; v and a follow q by c.v and
        c.a.  Its `reaction` holds the last known reactions on input, the residual on output.  The first tangents take

@@ -7,7 +7,7 @@
 #include "formulas.h"
 
 typedef struct {
-    int status;         /* a NewtonStatus, as CONVERGED */
+    NewtonStatus status;
     int iterations;     /* corrections so far */
     bool applies;       /* true if the latest correction applies */
     double norm;        /* norm of the latest correction that applied */

@@ -57,7 +57,7 @@ static Progress dynamic_equilibrium(Simulator *sim, State *state, double time, d
 }
 
 /* Transform the mesh once; return the status of Newton's method. */
-static int on_partition(Simulator *sim, State *state, int direction, const double *divider_s) {
+static NewtonStatus on_partition(Simulator *sim, State *state, int direction, const double *divider_s) {
     const NodalArrays nodal = state_arrays(state);
     double *const fields[] = {nodal.q, nodal.v, nodal.a, nodal.b, nodal.a_rate};
     double *old_s = sim->work.trial.b;
@@ -86,12 +86,12 @@ static int on_partition(Simulator *sim, State *state, int direction, const doubl
     return CONVERGED;
 }
 
-int transform_if_due(Simulator *sim, State *state) {
+NewtonStatus transform_if_due(Simulator *sim, State *state) {
     /* A step that is taken again transforms when the recorded one did. */
     const EndPath *paths = sim->replay.repeating ? sim->replay.paths : state->paths;
     const double bottom_s = bottom_arc_length(&sim->scene, paths, state->t);
     double divider_s[DIVIDERS];
-    int status = CONVERGED;
+    NewtonStatus status = CONVERGED;
     dividers_on_rope(&sim->scene, paths, state->t, divider_s);
     while (status == CONVERGED) {
         const int direction = (int)mesh_pattern_transformation_due(&state->pattern, bottom_s, MESH_PATTERN_DUE_EARLY);

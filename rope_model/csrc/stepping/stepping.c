@@ -150,7 +150,7 @@ static RopeStatus rigid_step(Simulator *sim, State *state, double t_end, char *m
 
 RopeStatus step_towards(Simulator *sim, State *state, double t_end, char *message) {
     if (state->fidelity == RIGID) return rigid_step(sim, state, t_end, message);
-    const int transformed = transform_if_due(sim, state);
+    const NewtonStatus transformed = transform_if_due(sim, state);
     if (transformed != CONVERGED)
         return say_transformation_fails(message, sim->scene.solver.step_min, NEWTON_MESSAGES[transformed]);
     release_swivels(sim, state);
@@ -186,7 +186,7 @@ RopeStatus step_towards(Simulator *sim, State *state, double t_end, char *messag
 
 RopeStatus repeat_step(Simulator *sim, State *state, const TakenStep *step, char *message) {
     if (state->fidelity == RIGID) return as_rigid(sim, state, step->t, message);
-    const int transformed = transform_if_due(sim, state);
+    const NewtonStatus transformed = transform_if_due(sim, state);
     if (transformed != CONVERGED)
         return say_transformation_fails(message, sim->scene.solver.step_min, NEWTON_MESSAGES[transformed]);
     set_phases(sim, state, &step->during);
