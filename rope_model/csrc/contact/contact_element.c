@@ -83,16 +83,16 @@ static void add_side(const ContactPair *pair, Probe one, Probe two, Pressed *pre
     }
 }
 
-/* Find the integration points where body k presses an element. */
-static void find_pressed(const System *sys, int element, int k, const double *q, Pressed *pressed) {
+/* Find the integration points where a body presses an element. */
+static void find_pressed(const System *sys, int element, int body, const double *q, Pressed *pressed) {
     const double *a = q + (size_t)element * DOF;
     const ContactPair pair = {.a = a,
                               .b = a + DOF,
                               .l = sys->lengths[element],
                               .diameter = sys->obstacles->scene->rope.diameter,
-                              .body = &sys->obstacles->placed[k].body};
+                              .body = &sys->obstacles->placed[body].body};
     pressed->count = 0;
-    if (!(sys->obstacles->near[element] & 1u << k)) return;
+    if (!(sys->obstacles->near[element] & 1u << body)) return;
     Probe start = probe_at(&pair, 0.0);
     for (int cell = 1; cell <= CONTACT_POINTS_CELLS; cell++) {
         const Probe stop = probe_at(&pair, (double)cell / CONTACT_POINTS_CELLS);
@@ -110,7 +110,7 @@ typedef struct {
     ContactTerms terms;
 } ContactPoint;
 
-static ContactPoint contact_point_of(const System *sys, int element, int k, const double point[POINT_NUMBERS],
+static ContactPoint contact_point_of(const System *sys, int element, int body, const double point[POINT_NUMBERS],
                                      const double *q, const double *v, double c_q, double c_v) {
     const Obstacles *obstacles = sys->obstacles;
     ContactPoint found = {.weight = sys->lengths[element] * point[WEIGHT]};
@@ -119,7 +119,7 @@ static ContactPoint contact_point_of(const System *sys, int element, int k, cons
     at_places(q, element, found.N, r);
     at_places(v, element, found.N, speed);
     found.terms = contact_law(&obstacles->scene->shaft.contact, obstacles->scene->rope.diameter,
-                              &obstacles->placed[k].body, obstacles->speeds[k], r, speed, c_q, c_v);
+                              &obstacles->placed[body].body, obstacles->speeds[body], r, speed, c_q, c_v);
     return found;
 }
 

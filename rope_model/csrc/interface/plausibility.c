@@ -44,6 +44,19 @@ static bool reals_finite(const State *state) {
     return true;
 }
 
+/* bounds of what a run can reach */
+#define ROUNDED_LENGTH 1e-12 /* rounding of a sum of lengths, over the rope's length */
+#define ROUNDED_TIME 1e-9    /* of a time, s, or over the time above 1 s */
+#define DISTANT 1e5          /* m, rad and their rates */
+#define COUNTED ((int64_t)1 << 50)
+
+/* True if all |x| are at most `bound`, and numbers. */
+static bool all_below(const double *x, size_t count, double bound) {
+    for (size_t i = 0; i < count; i++)
+        if (!(fabs(x[i]) <= bound)) return false;
+    return true;
+}
+
 static bool within(int64_t x, int64_t least, int64_t most) {
     return least <= x && x <= most;
 }
@@ -52,7 +65,7 @@ static bool within(int64_t x, int64_t least, int64_t most) {
 static bool partition_plausible(const Scene *scene, const Mesh *mesh, const State *state, const NodalArrays *nodal,
                                 const NodalArrays *scratch) {
     const double length = scene->rope.length;
-    const double rounding = 1e-12 * length;
+    const double rounding = ROUNDED_LENGTH * length;
     const Pattern *pattern = &state->pattern;
     double *lengths = scratch->q;
     double *s = scratch->v;
@@ -79,16 +92,12 @@ static bool partition_plausible(const Scene *scene, const Mesh *mesh, const Stat
 
 /* True if the path ends at t, with a motion that an end may have. */
 static bool path_plausible(const EndPath *path, double t) {
-    const double distant = 1e5;
-    if (!(path->start <= path->stop && fabs(path->stop - t) <= 1e-9 * fmax(1, fabs(t)))) return false;
-    double motion[3][4], leans[2][3];
+    double motion[3][4];
+    double leans[2][3];
+    if (!(path->start <= path->stop && fabs(path->stop - t) <= ROUNDED_TIME * fmax(1, fabs(t)))) return false;
     end_path_motion(path, path->stop, motion);
-    for (int k = 0; k < 12; k++)
-        if (!(fabs(motion[k / 4][k % 4]) <= distant)) return false;
     end_path_lean_motion(path, path->stop, leans);
-    for (int k = 0; k < 6; k++)
-        if (!(fabs(leans[k / 3][k % 3]) <= distant)) return false;
-    return true;
+    return all_below(motion[0], 3 * 4, DISTANT) && all_below(leans[0], 2 * 3, DISTANT);
 }
 
 static bool happenings_plausible(const State *state) {
@@ -96,14 +105,14 @@ static bool happenings_plausible(const State *state) {
     if (!within(state->switched, 0, CHATTER_EVENTS) || !within(state->event_count, 0, LOGGED_EVENTS)) return false;
     for (int k = 0; k < state->event_count; k++) {
         const Event *event = &state->events[k];
-        if (!within(event->what, TRANSFORMED, RAISED) || !within(event->which, 0, RIGID) || !isfinite(event->t) ||
-            !isfinite(event->kinetic) || !isfinite(event->potential))
-            return false;
+        const double reals[] = {event->t, event->kinetic, event->potential};
+        if (!within(event->what, TRANSFORMED, RAISED) || !within(event->which, 0, RIGID)) return false;
+        if (!all_finite(reals, sizeof reals / sizeof *reals)) return false;
     }
     for (size_t k = 0; k < sizeof offsets / sizeof *offsets; k++) {
         int64_t count;
         memcpy(&count, (const char *)&state->counts + offsets[k], sizeof count);
-        if (!within(count, 0, (int64_t)1 << 50)) return false;
+        if (!within(count, 0, COUNTED)) return false;
     }
     return true;
 }

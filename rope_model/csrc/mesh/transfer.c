@@ -17,14 +17,22 @@
 
 enum { CUBIC = 4, LINEAR = 2, MAX_FIELDS = 8 };
 
-/* Return the difference below which two arc lengths are equal, m. */
-static double tolerance_of(int nodes, const double *s) {
-    return 1e-9 * s[nodes - 1];
+/* difference of arc lengths over the rope's length below which they are equal: that of elements that were merged and
+   divided exceeds rounding by far */
+#define EQUAL_PLACES 1e-9
+
+double place_tolerance(double length) {
+    return EQUAL_PLACES * length;
+}
+
+/* Return the index of r (part 0) or r' (part 1) of a node in the right sides of add_missing. */
+static ptrdiff_t index_of(int fields, int field, int node, int part) {
+    return (ptrdiff_t)3 * (fields * (2 * node + part) + field);
 }
 
 void transfer_interpolate(int nodes, const double *x, const double *s, int count, const double *places,
                           double (*y)[DOF]) {
-    const double tolerance = tolerance_of(nodes, s);
+    const double tolerance = place_tolerance(s[nodes - 1]);
     int i = 0;
     for (int k = 0; k < count; k++) {
         /* Find the last element whose left node is left of the place.  Places mostly ascend. */
@@ -80,25 +88,27 @@ static void linear_products(int nodes, const double *s, double *band) {
 /* Add integrals of N times (x at old_s - y at new_s) to r (2 nodes x 3 per field) and theta (nodes x fields). */
 static void add_missing(int nodes, int fields, const double *const *x, const double *old_s, const double *const *y,
                         const double *new_s, double *r, double *theta) {
-    const double tolerance = tolerance_of(nodes, old_s);
+    const double tolerance = place_tolerance(old_s[nodes - 1]);
     int old = 0;
     for (int e = 0; e < nodes - 1; e++) {
+        const double end = new_s[e + 1];
+        const double l = end - new_s[e];
         double from = new_s[e];
-        double end = new_s[e + 1];
-        double l = end - from;
         while (old < nodes - 2 && old_s[old + 1] <= from + tolerance) old++;
         if (old_s[old + 1] >= end - tolerance) continue; /* within an old element */
         /* Between neighbours among old and new nodes, both fields are polynomials. */
         for (int k = old; from < end - tolerance; k++) {
-            double to = k < nodes - 2 ? fmin(old_s[k + 1], end) : end;
-            double old_l = old_s[k + 1] - old_s[k];
+            const double to = k < nodes - 2 ? fmin(old_s[k + 1], end) : end;
+            const double old_l = old_s[k + 1] - old_s[k];
             for (int f = 0; f < fields; f++) {
                 double load[2 * DOF];
                 double *part = load;
                 hermite_missing_load(from, to, new_s[e], l, old_s[k], old_l, x[f] + (ptrdiff_t)DOF * k,
                                      y[f] + (ptrdiff_t)DOF * e, load);
-                for (int i = 0; i < CUBIC; i++)
-                    for (int axis = 0; axis < 3; axis++) r[(ptrdiff_t)3 * (fields * (2 * e + i) + f) + axis] += *part++;
+                for (int i = 0; i < CUBIC; i++) {
+                    double *row = r + index_of(fields, f, e + i / 2, i % 2);
+                    for (int axis = 0; axis < 3; axis++) row[axis] += *part++;
+                }
                 theta[(ptrdiff_t)fields * e + f] += part[0];
                 theta[(ptrdiff_t)fields * (e + 1) + f] += part[1];
             }
@@ -120,7 +130,8 @@ void transfer_fields(int nodes, const double *old_s, const double *new_s, int fi
     memset(work, 0, sizeof *work * (size_t)((2 * CUBIC + LINEAR + DOF * fields) * n));
     for (int f = 0; f < fields; f++) {
         before[f] = x[f];
-        after[f] = y[f] = theta + n * fields + DOF * n * f;
+        y[f] = theta + n * fields + DOF * n * f;
+        after[f] = y[f];
         transfer_interpolate(nodes, x[f], old_s, nodes, new_s, (double (*)[DOF])y[f]);
     }
     add_missing(nodes, fields, before, old_s, after, new_s, r, theta);
@@ -134,8 +145,8 @@ void transfer_fields(int nodes, const double *old_s, const double *new_s, int fi
         for (int k = 1; k <= inner; k++) {
             double *node = y[f] + (ptrdiff_t)DOF * k;
             for (int axis = 0; axis < 3; axis++) {
-                node[axis] += r[(ptrdiff_t)3 * (fields * (2 * k) + f) + axis];
-                node[SLOPE + axis] += r[(ptrdiff_t)3 * (fields * (2 * k + 1) + f) + axis];
+                node[axis] += r[index_of(fields, f, k, 0) + axis];
+                node[SLOPE + axis] += r[index_of(fields, f, k, 1) + axis];
             }
             node[ANGLE] += theta[(ptrdiff_t)fields * k + f];
         }

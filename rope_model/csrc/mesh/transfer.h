@@ -4,6 +4,9 @@
 
 #include "rope.h"
 
+/* Return the difference below which two arc lengths of a rope are equal, m. */
+double place_tolerance(double length);
+
 /* Interpolate x (nodes x DOF) at arc lengths `places`: y (count x DOF). */
 void transfer_interpolate(int nodes, const double *x, const double *s, int count, const double *places,
                           double (*y)[DOF]);

@@ -17,6 +17,7 @@
 #include "formulas.h"
 #include "rope.h"
 #include "state_structures.h"
+#include "transfer.h"
 
 /* numbers of an element's history behind those of its points */
 enum { SLIP_CURVATURE, STIFFNESS };
@@ -70,7 +71,7 @@ double update_hysteresis(const double *wires, State *state, const double *q) {
 /* Mean of z over arc lengths between `from` and `to`; z is constant in the cell of a point. */
 static void mean_between(const double *z, const double *s, int elements, double from, double to,
                          double mean[COMPONENTS]) {
-    const double close = 1e-9 * s[elements];
+    const double close = place_tolerance(s[elements]);
     memset(mean, 0, COMPONENTS * sizeof *mean);
     for (int e = 0; e < elements && s[e] < to; e++) {
         if (!(s[e + 1] > from)) continue;

@@ -53,6 +53,12 @@ double recentring(const Coefficients *method, double h, double before) {
     return rate_known(h, before) ? generalized_alpha_recentring_time(method, h, before) : 0;
 }
 
+static bool all_finite(const double *x, size_t count) {
+    bool finite = true;
+    for (size_t i = 0; i < count; i++) finite &= isfinite(x[i]);
+    return finite;
+}
+
 /* Predict q, v and a at the end of a step h; the acceleration continues at its rate for the time `ahead`. */
 static void predict(const NodalArrays *old, double h, double ahead, const PredictionWeights *weights,
                     double *RESTRICT q, double *RESTRICT v, double *RESTRICT a) {
@@ -75,7 +81,6 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
     const TangentCoefficients c = generalized_alpha_newton_coefficients(&method, h);
     const PredictionWeights prediction = generalized_alpha_prediction_weights(&method, h, time_shift, ahead);
     const AuxiliaryWeights auxiliary = generalized_alpha_auxiliary_weights(&method, time_shift);
-    bool finite = true;
     StepResult result = {.t = state->t + h, .h = h, .error = INFINITY};
     predict(&old, h, ahead, &prediction, now->q, now->v, now->a);
     rope_system_prescribed_motion(&sim->scene, state, result.t, 3, (double *[]){now->q, now->v, now->a});
@@ -83,16 +88,15 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
     memcpy(now->reaction, old.reaction, sizeof(double) * size);
     const Chain *chain = chain_of(sim, state);
     const Solver *solver = &sim->scene.solver;
-    result.newton =
-        chain->solve(sys, sim->work.chain, now, &c,
-                     newton_effective_tolerance(solver->newton_tolerance, solver->work_max, NEWTON_BOUNDED_STEP_ERROR),
-                     old.q, result.balance);
-    for (size_t i = 0; i < size; i++) finite &= isfinite(now->reaction[i]);
-    if (result.newton.status == CONVERGED && !finite) result.newton.status = NOT_FINITE;
+    const double tolerance =
+        newton_effective_tolerance(solver->newton_tolerance, solver->work_max, NEWTON_BOUNDED_STEP_ERROR);
+    result.newton = chain->solve(sys, sim->work.chain, now, &c, tolerance, old.q, result.balance);
+    if (result.newton.status == CONVERGED && !all_finite(now->reaction, size)) result.newton.status = NOT_FINITE;
     result.converged = result.newton.status == CONVERGED;
     if (!result.converged) return result;
     for (size_t i = 0; i < size; i++) {
-        now->b[i] = auxiliary.a * old.a[i] + auxiliary.b * old.b[i] + auxiliary.a_rate * old.a_rate[i] + auxiliary.a_end * now->a[i];
+        now->b[i] = auxiliary.a * old.a[i] + auxiliary.b * old.b[i] + auxiliary.a_rate * old.a_rate[i] +
+                    auxiliary.a_end * now->a[i];
         now->a_rate[i] = (now->a[i] - old.a[i]) / h;
     }
     const double *change = resolved_change(sim, chain, sys, c.a, old.a);
