@@ -120,7 +120,7 @@ bool add_near_bodies(const System *sys, const double *q, double corrections) {
 
 double longest_near(const System *sys) {
     double longest = 0;
-    if (sys->obstacles == NULL || !sys->obstacles->any) return 0;
+    if (!near_bodies(sys)) return 0;
     for (int e = 0; e < sys->elements; e++)
         if (sys->obstacles->near[e]) longest = maximum(longest, sys->lengths[e]);
     return longest;

@@ -3,6 +3,7 @@
 #define OBSTACLES_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
 #include "bodies.h"
 #include "rope.h"
@@ -27,6 +28,11 @@ typedef struct Obstacles {
     ClearanceCache cache;
     unsigned *near; /* bodies that each element may touch, one bit each */
 } Obstacles;
+
+/* True if an element may touch a body, by the latest contact detection. */
+static inline bool near_bodies(const System *sys) {
+    return sys->obstacles != NULL && sys->obstacles->any;
+}
 
 /* Find the elements that may touch a body, now or after a move by `margin` (m). */
 void find_near_bodies(const System *sys, const double *q, const double *v, double margin);

@@ -39,7 +39,7 @@ const Chain *fastest_chains(void) {
 
 double assumed_newton_error(const System *sys, double tolerance, bool predicted) {
     if (sys->wires != NULL) return NEWTON_HUGE; /* kinks: no correction is the last without another */
-    const bool touches = sys->obstacles != NULL && sys->obstacles->any;
+    const bool touches = near_bodies(sys);
     /* The tangent omits that friction of a swivel depends on the reaction. */
     const bool complete = sys->friction_load[LEFT] == 0 && sys->friction_load[RIGHT] == 0;
     return predicted && tolerance <= NEWTON_SMALL && !touches && complete ? NEWTON_GOOD : NEWTON_UNKNOWN;

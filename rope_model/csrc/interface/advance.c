@@ -179,21 +179,21 @@ static RopeStatus advance_to(Simulator *sim, const HostStep *host, int *event) {
 }
 
 /* Describe a step that the host asks for. */
-static HostStep asked(double t, const EndMotion ends[2], double given_at, bool to_event) {
+static HostStep step_to(double t, const EndMotion ends[2], double given_at, bool to_event) {
     HostStep host = {.stop = t, .given_at = given_at, .asked_at = given_at, .to_event = to_event, .taken = 1};
     memcpy(host.ends, ends, sizeof host.ends);
     return host;
 }
 
 RopeStatus rope_advance_to(Simulator *sim, double t, const EndMotion ends[2], double given_at) {
-    const HostStep host = asked(t, ends, given_at, false);
+    const HostStep host = step_to(t, ends, given_at, false);
     int event;
     return refer_after_failure(sim, advance_to(sim, &host, &event));
 }
 
 RopeStatus rope_advance_to_event(Simulator *sim, double t, const EndMotion ends[2], double given_at, int *event) {
     const InputFilter *filters = sim->state->filters;
-    HostStep host = asked(t, ends, given_at, true);
+    HostStep host = step_to(t, ends, given_at, true);
     bool same = *event != 0;
     for (int side = LEFT; side <= RIGHT; side++) same &= !memcmp(&ends[side], filters[side].given, sizeof ends[side]);
     if (same) host.given_at = fmin(filters[LEFT].given_at, filters[RIGHT].given_at);

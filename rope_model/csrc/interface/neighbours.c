@@ -41,17 +41,17 @@ RopeStatus rope_displacement(Simulator *sim, const PointForces *forces, double (
     System sys = rope_system(sim, state);
     sys.time = forces->start;
     const TangentCoefficients c = generalized_alpha_newton_coefficients(&method, state->last_interval);
-    double *const answers[2] = {sim->work.trial.q, sim->work.x};
+    double *const corrections[2] = {sim->work.trial.q, sim->work.x};
     for (int k = 0; k < 2; k++) {
         sys.forces = k == 0 ? NULL : forces;
-        chain_of(sim, state)->newton_step(&sys, sim->work.chain, &nodal, &c, k > 0, answers[k], sim->work.trial.v);
+        chain_of(sim, state)->newton_step(&sys, sim->work.chain, &nodal, &c, k > 0, corrections[k], sim->work.trial.v);
     }
     PointForce point = {0};
     for (int index = 0; index < forces->count; index++) {
         double without[3];
         elements_at(&sys, index, &point);
-        at_places(answers[0], point.element, point.N, without);
-        at_places(answers[1], point.element, point.N, moved[index]);
+        at_places(corrections[0], point.element, point.N, without);
+        at_places(corrections[1], point.element, point.N, moved[index]);
         for (int i = 0; i < 3; i++) moved[index][i] -= without[i];
     }
     return ROPE_DONE;

@@ -57,7 +57,7 @@ static Progress dynamic_equilibrium(Simulator *sim, State *state, double time, d
 }
 
 /* Transform the mesh once; return the status of Newton's method. */
-static NewtonStatus on_partition(Simulator *sim, State *state, int direction, const double *divider_s) {
+static NewtonStatus transform_once(Simulator *sim, State *state, int direction, const double *divider_s) {
     const NodalArrays nodal = state_arrays(state);
     double *const fields[] = {nodal.q, nodal.v, nodal.a, nodal.b, nodal.a_rate};
     double *old_s = sim->work.trial.b;
@@ -65,7 +65,7 @@ static NewtonStatus on_partition(Simulator *sim, State *state, int direction, co
     partition_transform(&state->pattern, direction, divider_s, nodal.elements, nodal.lengths);
     arc_lengths(nodal.elements, nodal.lengths, nodal.s);
     if (state->fidelity == RIGID) return CONVERGED; /* shape and energies do not depend on the mesh */
-    transfer_fields(nodal.nodes, old_s, nodal.s, 5, fields, sim->work.chain);
+    transfer_fields(nodal.nodes, old_s, nodal.s, (int)(sizeof fields / sizeof *fields), fields, sim->work.chain);
     wires_carry(state, old_s, sim->reference.wires); /* scratch: its history belongs to the old mesh */
     memset(nodal.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(nodal.nodes - 2));
     rope_system_refer(sim, state, nodal.q);
@@ -75,8 +75,10 @@ static NewtonStatus on_partition(Simulator *sim, State *state, int direction, co
             ? REPEATED_ERROR
             : newton_effective_tolerance(solver->newton_tolerance, solver->work_max, NEWTON_BOUNDED_MESH_ERROR);
     double time = STEPPING_RELAXATION_TIME;
-    Progress newton = dynamic_equilibrium(sim, state, time, tolerance);
-    for (; newton.status != CONVERGED; newton = dynamic_equilibrium(sim, state, time, tolerance)) {
+    Progress newton;
+    for (;;) {
+        newton = dynamic_equilibrium(sim, state, time, tolerance);
+        if (newton.status == CONVERGED) break;
         if (time <= solver->step_min) return newton.status;
         time = fmax(0.5 * time, solver->step_min);
         state->counts.rejections += 1;
@@ -96,7 +98,7 @@ NewtonStatus transform_if_due(Simulator *sim, State *state) {
     while (status == CONVERGED) {
         const int direction = (int)mesh_pattern_transformation_due(&state->pattern, bottom_s, MESH_PATTERN_DUE_EARLY);
         if (direction == 0 && !window_due(&state->pattern, divider_s)) break;
-        status = on_partition(sim, state, direction, divider_s);
+        status = transform_once(sim, state, direction, divider_s);
     }
     return status;
 }

@@ -128,7 +128,7 @@ StepResult compute_trial(Simulator *sim, State *state, double h) {
     System sys = rope_system(sim, state);
     sys.corrections = sim->replay.repeating ? sim->replay.corrections : 0;
     StepResult result = generalized_alpha_step(sim, state, &sys, h);
-    result.near = sys.obstacles != NULL && sys.obstacles->any;
+    result.near = near_bodies(&sys);
     result.error_ratio = result.converged ? relative_error(&sim->scene, state, &result) : INFINITY;
     return result;
 }
