@@ -177,7 +177,7 @@ class Started(Markers):
         return np.array(found)
 
     def predict(self, predictor: Any, *_: float) -> Array:
-        """Residuals (m) on the scene of a measurements.RopePredictor, without offsets and delay."""
+        """Residuals (m) on the scene of a prediction.RopePredictor, without offsets and delay."""
         off = (self.wound(predictor.scene) - self.seen)[np.isfinite(self.seen)]
         return np.concatenate((off, np.zeros(self.nuisance)))
 

@@ -7,13 +7,9 @@ import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
 from hoist_demo.calibration.fit import MIDDLE, NotComputed
-from hoist_demo.calibration.measurements import (
-    FIDELITY,
-    CalibrationProblem,
-    InShaft,
-    MeasurementEntry,
-    Signal,
-)
+from hoist_demo.calibration.measurements import InShaft, MeasurementEntry, Signal
+from hoist_demo.calibration.prediction import FIDELITY
+from hoist_demo.calibration.problem import CalibrationProblem
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.cases.run_values import RopeAnalysisFile
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene, values_by_name

@@ -23,7 +23,8 @@ from hoist_demo.calibration.fit import (
     sensitivities,
     with_measurement,
 )
-from hoist_demo.calibration.measurements import CalibrationProblem, Measurements, RopeMeasurement
+from hoist_demo.calibration.measurements import Measurements, RopeMeasurement
+from hoist_demo.calibration.problem import CalibrationProblem
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.cases.case import DEFAULT_HOIST
 from hoist_demo.cases.table import find_case

@@ -95,7 +95,7 @@ def _add(command: argparse.ArgumentParser, name: str, run: RunCommand, descripti
 
 def _hoist(options: argparse.Namespace) -> Case:
     """Return the hoist; ValueError for a band that holds no response."""
-    from hoist_demo.design.reduction import SLOWEST
+    from hoist_demo.design.reduced_model import SLOWEST
 
     if not SLOWEST < options.band < math.inf:
         raise ValueError(

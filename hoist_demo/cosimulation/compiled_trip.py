@@ -50,7 +50,7 @@ from hoist_demo.cosimulation.schemes.interface import (
 )
 from hoist_demo.cosimulation.trip_plan import TripPlan
 from hoist_demo.drive import integrator, plant
-from hoist_demo.drive.equations import FORCES, INPUT_NAMES, STATE_NAMES, WORK_NAMES
+from hoist_demo.drive.coordinates import FORCES, INPUT_NAMES, STATE_NAMES, WORK_NAMES
 from hoist_demo.drive.kernels import generate_c
 from hoist_demo.drive.outputs import OUTPUT_INDEX, OUTPUTS
 from hoist_demo.drive.plant import SIDE_FORCES

@@ -10,7 +10,7 @@ from hoist_demo.control.controller import Command
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
 from hoist_demo.cosimulation.schemes.interface import SchemeState, Vector
-from hoist_demo.drive.equations import LOSS_NAMES, WORK_NAMES
+from hoist_demo.drive.coordinates import LOSS_NAMES, WORK_NAMES
 from hoist_demo.drive.outputs import OUTPUT_INDEX, tension_ratio
 from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.recording.time_series import TIME, Recording

@@ -8,7 +8,7 @@ from hoist_demo.cosimulation.run_state import RopeReaders, RunState
 from hoist_demo.cosimulation.schemes import interface
 from hoist_demo.cosimulation.schemes.interface import CoupledSystem, Vector
 from hoist_demo.cosimulation.trip_plan import TripPlan
-from hoist_demo.drive.equations import FORCES, INPUT_NAMES
+from hoist_demo.drive.coordinates import FORCES, INPUT_NAMES
 from hoist_demo.drive.plant import SIDE_FORCES, HoistPlant
 from hoist_demo.recording.time_series import Recorder
 from rope_model import EndMotion

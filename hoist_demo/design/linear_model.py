@@ -93,6 +93,11 @@ class LinearModel:
         """Number of coordinates that vibrate."""
         return len(self.names) - self.held - self.lags
 
+    @property
+    def driven(self) -> list[int]:
+        """Held coordinates that an input moves."""
+        return [k for k in range(self.free, self.free + self.held) if self.B[k].any()]
+
     def response(self, s: Iterable[complex]) -> NDArray[np.complex128]:
         """Transfer functions (len(s), outputs, inputs) at complex frequencies [rad/s]."""
         moved = self._moved()

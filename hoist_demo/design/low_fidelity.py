@@ -24,7 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.control.controller import Gains, SpeedController
-from hoist_demo.drive.equations import FORCES, INPUT_NAMES, STATE_NAMES, equations
+from hoist_demo.drive.coordinates import FORCES, INPUT_NAMES, STATE_NAMES
+from hoist_demo.drive.equations import equations
 from hoist_demo.drive.plant import HoistPlant, PlantState
 from hoist_demo.parameters import GRAVITY, Hoist
 

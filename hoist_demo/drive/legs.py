@@ -24,19 +24,9 @@ and without a pull on the conveyance: s, and H in the weight's term, are not bel
 EA). What the damping pulls or gives way is never more than the elastic pull on the conveyance, so
 that the two together never push. The ropes' inertia, and their modes, stay those of a straight
 rope.
-
-A conveyance that jams in its guides sticks and slips, as the brake does. With the elastic
-deflection z of what sticks, after P. R. Dahl (Aerospace Corp. TOR-0158, 1968),
-
-    F = F_max z / z_max ,   z' = v - |v| z / z_max .
-
-It holds without creeping. A jam's F_max is that of a narrow place, F_j (1 - ((y - y_j) / d)^2)^2
-within d of its middle and 0 beyond, and there z + tau z' stands for z in F: what is stuck swings
-with damping (C. Canudas de Wit et al., IEEE Transactions on Automatic Control 40, 1995), what
-slides has none.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -44,26 +34,9 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hoist_demo.drive.coordinates import CoordinateLookup
+from hoist_demo.drive.friction import DryFriction, jam_friction
 from hoist_demo.parameters import GRAVITY, Hoist
-from hoist_demo.parameters.components import Jam
-
-
-class Coordinate(NamedTuple):
-    """Symbols of a coordinate and its rate; zeros where the hoist lacks it."""
-
-    value: Any
-    rate: Any
-
-
-CoordinateLookup = Callable[[str], Coordinate]  #: Returns a coordinate by name.
-
-
-class Friction(NamedTuple):
-    """Dry friction with states of its own; nothing where the hoist has no such part."""
-
-    force: Any = 0.0  # N, or a torque [N m]
-    states: tuple[Any, ...] = ()
-    rates: tuple[Any, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -76,7 +49,7 @@ class Leg:
     rope_power: Any  # W, that it takes
     play_damping: Any  # dissipation function of the conveyance between its guides
     friction: Any  # N, of the guides along y, the jam's included
-    jam: Friction
+    jam: DryFriction
     pull: Any  # N, of the head ropes on the conveyance, without their inertia
     slack: Any  # m, of the head ropes
     side_force: Any  # generalised forces of the balance ropes on (y, x, z, yaw)
@@ -134,7 +107,7 @@ def make_leg(
         damping += c * (k * eta_rate) ** 2 / 4
         damping_power += c * (k * eta_rate) ** 2 / 2
 
-    jam = _jam_friction(getattr(hoist, f"jam_{side}"), side, y, vy)
+    jam = jam_friction(getattr(hoist, f"jam_{side}"), side, y, vy)
     friction = jam.force
     if hoist.guides is not None:
         coulomb = hoist.guides.coulomb * ca.tanh(vy / hoist.loss_speed)
@@ -244,14 +217,3 @@ class _Freedom(NamedTuple):
     inertia: Any  # kg, or kg m^2
     lever: float = 1.0  # m of a shoe per m, or per rad
     spread: float = 1.0  # m of a head rope per m, or per rad
-
-
-def _jam_friction(jam: Jam | None, side: str, y: Any, vy: Any) -> Friction:
-    """Return the force along the guides [N] in the narrow place of one side."""
-    if jam is None:
-        return Friction()
-    z = ca.SX.sym(f"jam_deflection_{side}")
-    grip = ca.fmax(1.0 - ((y - jam.height) / jam.distance) ** 2, 0.0) ** 2
-    rate = vy - ca.fabs(vy) * z / jam.travel
-    force = jam.force * grip * (z + jam.damping * rate) / jam.travel
-    return Friction(force, states=(z,), rates=(rate,))

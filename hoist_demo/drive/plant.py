@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hoist_demo.drive.equations import INPUT_NAMES, STATE_NAMES
+from hoist_demo.drive.coordinates import INPUT_NAMES, STATE_NAMES
 from hoist_demo.drive.integrator import MIN_STEP, WORK_COUNT, Event, Integrator, Span, Vector
 from hoist_demo.drive.kernels import KernelForm
 from hoist_demo.drive.outputs import OUTPUT_INDEX

@@ -13,7 +13,7 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.drive import integrator
-from hoist_demo.drive.equations import INPUT_NAMES
+from hoist_demo.drive.coordinates import INPUT_NAMES
 from hoist_demo.drive.plant import MIN_ROPE, SIDE_FORCES
 from hoist_demo.drive_fmu.interface import (
     INPUTS,

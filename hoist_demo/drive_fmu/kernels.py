@@ -23,7 +23,8 @@ import numpy as np
 from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.kernel import ARGUMENTS, law_kernel
-from hoist_demo.drive.equations import FORCES, INPUT_NAMES, equations, state_names
+from hoist_demo.drive.coordinates import FORCES, INPUT_NAMES, state_names
+from hoist_demo.drive.equations import equations
 from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.drive.plant import HoistPlant, free_lengths, hanging_places
 from hoist_demo.drive_fmu.interface import PLANT

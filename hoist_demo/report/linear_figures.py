@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from hoist_demo.design.linear_model import LinearModel, Modes
-from hoist_demo.design.reduction import ALPHA, SLOWEST
+from hoist_demo.design.reduced_model import ALPHA, SLOWEST
 from hoist_demo.report.figures import ACCENTS, REFERENCE, STYLE, save_figure
 
 _CHANNELS = (

@@ -32,7 +32,6 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.controller import ControllerState, Measurement, SpeedController
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.drive.equations import SIDES
 from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.drive_fmu import interface
 from hoist_demo.drive_fmu.description import LONGEST_HOLD, DriveModel, drive_model
@@ -45,7 +44,7 @@ from hoist_demo.drive_fmu.kernels import (
     structures,
 )
 from hoist_demo.drive_fmu.omissions import OMISSIONS, leave_out, obstacles
-from hoist_demo.parameters import Hoist, start_heights
+from hoist_demo.parameters import SIDES, Hoist, start_heights
 from hoist_demo.parameters.components import DriveShaft, Guides, Play
 from hoist_demo.parameters.suspension import MOVED, SuspensionOffset, moment_at, motion_at
 from release.libraries import drive_library

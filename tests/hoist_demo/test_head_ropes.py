@@ -13,7 +13,7 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.design.statics import static_slip_safeties
-from hoist_demo.drive.equations import LOSS_NAMES
+from hoist_demo.drive.coordinates import LOSS_NAMES
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.parameters import GRAVITY, Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake, DriveShaft, Jam, Lining, Play

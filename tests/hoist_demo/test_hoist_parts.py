@@ -14,7 +14,7 @@ from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
 from hoist_demo.cosimulation.schemes.interface import Load, Stopwatch
 from hoist_demo.design.statics import pulls
-from hoist_demo.drive.equations import LOSS_NAMES
+from hoist_demo.drive.coordinates import LOSS_NAMES
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.drive_fmu.description import drive_model
 from hoist_demo.parameters import (

@@ -29,7 +29,7 @@ from hoist_demo.calibration.fit import (
     sensitivities,
 )
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
-from hoist_demo.calibration.measurements import CalibrationProblem
+from hoist_demo.calibration.problem import CalibrationProblem
 from hoist_demo.cases.rules import with_values
 from hoist_demo.cases.run_values import Values
 from hoist_demo.cases.table import find_case

@@ -17,7 +17,7 @@ from hoist_demo.cosimulation.schemes.interface import (
     Stopwatch,
     Vector,
 )
-from hoist_demo.drive.equations import FORCES, INPUT_NAMES, WORK_NAMES
+from hoist_demo.drive.coordinates import FORCES, INPUT_NAMES, WORK_NAMES
 from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.drive.plant import HoistPlant, PlantState, PlantStep
 from rope_model import SIDES, EndMotion, Status
