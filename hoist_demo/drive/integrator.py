@@ -35,7 +35,15 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.drive import equations as drive
+from hoist_demo.drive.coordinates import (
+    ACCELERATIONS,
+    FORCES,
+    INPUT_NAMES,
+    LOSS_NAMES,
+    WORK_NAMES,
+    state_names,
+)
+from hoist_demo.drive.equations import Equations, equations
 from hoist_demo.drive.kernels import Kernel, KernelForm, build_library, prepare
 from hoist_demo.drive.outputs import OUTPUTS
 from hoist_demo.parameters import Hoist
@@ -53,8 +61,8 @@ STEP_ROUNDING = 1e-9  #: Part of a step by which the rest may exceed it through 
 #: [s].
 EVENT_TOLERANCE = 1e-9
 TOLERANCE = 1e-8  #: Bound of a step's error, relative and in SI units.
-WORK_COUNT = len(drive.WORK_NAMES) + len(drive.LOSS_NAMES)
-PATH = 3 * len(drive.INPUT_NAMES)  #: Numbers of a path: u_0, u_1 and u_2.
+WORK_COUNT = len(WORK_NAMES) + len(LOSS_NAMES)
+PATH = 3 * len(INPUT_NAMES)  #: Numbers of a path: u_0, u_1 and u_2.
 ORDER = 5
 #: Weights b of the result, the last stage.
 _B = (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84)
@@ -137,8 +145,8 @@ class DriveKernels:
 @cache
 def drive_kernels(structure: Hoist, form: KernelForm = "auto") -> DriveKernels:
     """Return the kernels for all hoists of this `Hoist.equation_structure`."""
-    eqs = drive.equations(structure)
-    names = drive.state_names(structure)
+    eqs = equations(structure)
+    names = state_names(structure)
     argument_slices = _slices(
         x=len(names), work_totals=WORK_COUNT, s=1, h=1, **_step_parameter_sizes(structure)
     )
@@ -146,7 +154,7 @@ def drive_kernels(structure: Hoist, form: KernelForm = "auto") -> DriveKernels:
         x=len(names),
         work_totals=WORK_COUNT,
         error=1,
-        applied_input=len(drive.INPUT_NAMES),
+        applied_input=len(INPUT_NAMES),
         outputs=len(OUTPUTS),
     )
     functions = [_advance(eqs, argument_slices), eqs.accelerance]
@@ -174,7 +182,7 @@ def _step_parameter_sizes(structure: Hoist) -> dict[str, int]:
     return {"H": 1, "path": PATH, "added_mass": 2, "l0": 2, "p": len(structure.numbers)}
 
 
-def _advance(eqs: drive.Equations, argument_slices: dict[str, slice]) -> Any:
+def _advance(eqs: Equations, argument_slices: dict[str, slice]) -> Any:
     """Return `advance` as a CasADi function of one vector that gives one vector."""
     n = argument_slices["x"].stop
     first_step_param = argument_slices["H"].start
@@ -197,7 +205,7 @@ def _advance(eqs: drive.Equations, argument_slices: dict[str, slice]) -> Any:
     return ca.Function("advance", [z], [result])
 
 
-def _slope(eqs: drive.Equations, states: int, numbers: int) -> Any:
+def _slope(eqs: Equations, states: int, numbers: int) -> Any:
     """Return the CasADi function (y, s, step_params) -> dy/ds."""
     y = ca.SX.sym("y", states + WORK_COUNT)
     s = ca.SX.sym("s")
@@ -208,7 +216,7 @@ def _slope(eqs: drive.Equations, states: int, numbers: int) -> Any:
     return ca.Function("slope", [y, s, symbols.step_params], [ca.cse(value)])
 
 
-def _loads_and_outputs(eqs: drive.Equations, states: int, numbers: int) -> Any:
+def _loads_and_outputs(eqs: Equations, states: int, numbers: int) -> Any:
     """Return the CasADi function (x, s, step_params) -> input that acts, outputs."""
     x = ca.SX.sym("x", states)
     s = ca.SX.sym("s")
@@ -229,25 +237,25 @@ class _StepSymbols(NamedTuple):
     p: Any
 
 
-def _step_symbols(eqs: drive.Equations, numbers: int, x: Any, s: Any) -> _StepSymbols:
+def _step_symbols(eqs: Equations, numbers: int, x: Any, s: Any) -> _StepSymbols:
     """Return the symbols of a communication step, with the input at s in the state x."""
     step_params = ca.SX.sym("step_params", numbers)
     H, path, added_mass, l0, p = ca.vertsplit(
         step_params, [0, 1, 1 + PATH, 3 + PATH, 5 + PATH, numbers]
     )
-    start, linear, quadratic = ca.vertsplit(path, len(drive.INPUT_NAMES))
+    start, linear, quadratic = ca.vertsplit(path, len(INPUT_NAMES))
     polynomial = start + s * (linear + s * quadratic)
     u = _applied_input(eqs, x, polynomial, added_mass, l0, p)
     return _StepSymbols(step_params, H, u, l0, p)
 
 
-def _applied_input(eqs: drive.Equations, x: Any, u: Any, added_mass: Any, l0: Any, p: Any) -> Any:
+def _applied_input(eqs: Equations, x: Any, u: Any, added_mass: Any, l0: Any, p: Any) -> Any:
     """Return the input with its forces less the added masses times the accelerations."""
-    a = eqs.rates(x, u, l0, p)[list(drive.ACCELERATIONS)]
+    a = eqs.rates(x, u, l0, p)[list(ACCELERATIONS)]
     B = eqs.accelerance(x, u, l0, p)
-    given_up = ca.solve(ca.SX.eye(len(drive.FORCES)) + ca.diag(added_mass) @ B, added_mass * a)
+    given_up = ca.solve(ca.SX.eye(len(FORCES)) + ca.diag(added_mass) @ B, added_mass * a)
     applied_input = ca.SX(u)
-    for k, index in enumerate(drive.FORCES):
+    for k, index in enumerate(FORCES):
         applied_input[index] -= given_up[k]
     return applied_input
 

@@ -19,7 +19,7 @@ from rope_model.messages import messages
 from rope_model.method.stepping import MAX_START_TIME, MAX_STEPS, MIN_INTERVAL
 from rope_model.parameters import Scene
 from rope_model.physics.node import ANGLE, SIDES
-from rope_model.reference.ends import onwards, peak_acceleration, refusal, resting
+from rope_model.reference.ends import onwards, refusal, resting, too_rough
 from rope_model.reference.equations import HEIGHT
 from rope_model.reference.hanging import hang
 from rope_model.reference.mesh import mesh_of, require_mesh_of
@@ -33,8 +33,6 @@ from rope_model.reference.stepping import step_towards
 from rope_model.saved_state import require_form, require_same_rope, state_behind_label
 from rope_model.signals.signal_table import checked_names
 from rope_model.state import RopeState
-
-CURE = "take the engine, balance_rope(scene)"
 
 
 class ReferenceRope(BalanceRope):
@@ -82,7 +80,7 @@ class ReferenceRope(BalanceRope):
     @property
     def state(self) -> State:  # type: ignore[override]  # the published system alone
         if self._state is None:
-            raise RuntimeError("the rope has no state yet: call initialize first")
+            raise RuntimeError(messages.no_state())
         return self._state
 
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
@@ -94,11 +92,7 @@ class ReferenceRope(BalanceRope):
                 return Status(False, message)
             speed = max(map(abs, (*motion.velocity, motion.yaw_rate)))
             if speed > RESTS_BELOW:
-                return Status(
-                    False,
-                    f"the {side} end moves at {speed:g} m/s or rad/s at the start and must rest: "
-                    "start before it moves",
-                )
+                return Status(False, messages.moves_at_start(side))
         try:
             self._state = hang(self._scene, t, (resting(t, left), resting(t, right)))
         except (StaticsError, ValueError) as error:
@@ -123,14 +117,9 @@ class ReferenceRope(BalanceRope):
             if message is not None:
                 return Status(False, message)
             following_path = onwards(path, t, motion, age)
-            peak = peak_acceleration(following_path)
-            if not peak <= scene.inputs.acceleration_max:
-                return Status(
-                    False,
-                    f"the {side} end would accelerate by {peak:.4g} m/s^2 or rad/s^2, above "
-                    f"inputs.acceleration_max = {scene.inputs.acceleration_max:g}: give positions, "
-                    "speeds and accelerations of one motion",
-                )
+            message = too_rough(following_path, side, scene.inputs.acceleration_max)
+            if message is not None:
+                return Status(False, message)
             paths.append(following_path)
         state = replace(before, paths=(paths[0], paths[1]), events=())
         impulse = np.zeros(2)
@@ -169,21 +158,21 @@ class ReferenceRope(BalanceRope):
         for name in wanted:
             group = group_of(name)
             if group is None:
-                raise ValueError(f"the reference rope does not compute {name}: {CURE}")
+                raise ValueError(messages.engine_alone(f"does not compute {name}"))
             if name not in values:
                 values |= group(self._scene, self.state)
         return {name: values[name] for name in wanted}
 
     def apply(self, forces: PointForces) -> None:
         if forces.s.size:
-            raise ValueError(f"the reference rope takes no point forces: {CURE}")
+            raise ValueError(_no_point_forces())
 
     def rows(self) -> NDArray[np.float64]:
         m = self.state.motion
         return np.column_stack((self.state.mesh.nodes_s, m.q[:, :ANGLE], m.v[:, :ANGLE]))
 
     def displacement(self, forces: PointForces) -> NDArray[np.float64]:
-        raise ValueError(f"the reference rope takes no point forces: {CURE}")
+        raise ValueError(_no_point_forces())
 
     def warnings(self) -> dict[str, str]:
         return warnings_of(self._scene, self.state)
@@ -234,5 +223,9 @@ def _pulls(state: State) -> NDArray[np.float64]:
     return state.motion.reaction[[0, -1], HEIGHT]
 
 
+def _no_point_forces() -> str:
+    return messages.engine_alone("takes no point forces")
+
+
 def _no_engine_state(kept: object) -> RopeState:
-    raise ValueError(f"a state of the reference rope is none of the engine: {CURE}")
+    raise ValueError(messages.engine_alone("has no state of the engine"))

@@ -1,5 +1,6 @@
 """Scope of the reference rope: the published system, and nothing else of a scene."""
 
+from rope_model.messages import messages
 from rope_model.parameters import Scene
 from rope_model.physics.initial_curvature import CURVATURES
 from rope_model.scene_names import choices_of, named_parameters
@@ -40,7 +41,7 @@ def require_published(scene: Scene) -> None:
     """Raise ValueError if the scene holds more than the published system."""
     text = unpublished(scene)
     if text is not None:
-        raise ValueError(f"{text}: take the engine, balance_rope(scene)")
+        raise ValueError(messages.engine_alone(f"knows the published system only: {text}"))
 
 
 def unpublished(scene: Scene) -> str | None:
@@ -57,8 +58,5 @@ def unpublished(scene: Scene) -> str | None:
             else:
                 value = f"{parameter.value:g}"
             bound = " or ".join(words[int(x)] if words else f"{x:g}" for x in values)
-            return (
-                f"{parameter.name} = {value} must be {bound} for the reference rope, which knows "
-                "the published system only"
-            )
+            return f"{parameter.name} = {value} must be {bound}"
     return None
