@@ -161,6 +161,6 @@ no_state_in_bytes = Template(
     "these bytes are not a state of this rope; save one anew, or restore it into its own rope"
 )
 engine_alone = Template(
-    "the reference rope {lacks:s}; take the engine, balance_rope(scene), or an FMU of the native flavour"
+    "{refused:s}; take the engine, balance_rope(scene), or an FMU of the native flavour"
 )
 no_such_input = Template("an input's number is 0 to {last:d}")

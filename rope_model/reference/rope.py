@@ -158,7 +158,9 @@ class ReferenceRope(BalanceRope):
         for name in wanted:
             group = group_of(name)
             if group is None:
-                raise ValueError(messages.engine_alone(f"does not compute {name}"))
+                raise ValueError(
+                    messages.engine_alone(f"the reference rope does not compute {name}")
+                )
             if name not in values:
                 values |= group(self._scene, self.state)
         return {name: values[name] for name in wanted}
@@ -224,8 +226,8 @@ def _pulls(state: State) -> NDArray[np.float64]:
 
 
 def _no_point_forces() -> str:
-    return messages.engine_alone("takes no point forces")
+    return messages.engine_alone("the reference rope takes no point forces")
 
 
 def _no_engine_state(kept: object) -> RopeState:
-    raise ValueError(messages.engine_alone("has no state of the engine"))
+    raise ValueError(messages.engine_alone("a state of the reference rope is none of the engine"))

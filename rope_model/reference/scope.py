@@ -41,7 +41,7 @@ def require_published(scene: Scene) -> None:
     """Raise ValueError if the scene holds more than the published system."""
     text = unpublished(scene)
     if text is not None:
-        raise ValueError(messages.engine_alone(f"knows the published system only: {text}"))
+        raise ValueError(messages.engine_alone(text))
 
 
 def unpublished(scene: Scene) -> str | None:
@@ -58,5 +58,8 @@ def unpublished(scene: Scene) -> str | None:
             else:
                 value = f"{parameter.value:g}"
             bound = " or ".join(words[int(x)] if words else f"{x:g}" for x in values)
-            return f"{parameter.name} = {value} must be {bound}"
+            return (
+                f"{parameter.name} = {value} must be {bound} for the reference rope, which knows "
+                "the published system only"
+            )
     return None

@@ -305,7 +305,7 @@ def test_the_python_flavour_refuses_what_is_not_published_and_names_the_native_o
     host.set(**{"air.density": 1.2})
     assert host.enter() == OK
     assert host.call("ExitInitializationMode") == ERROR
-    assert "the published system only: air.density = 1.2 must be 0" in host.said[-1]
+    assert "air.density = 1.2 must be 0 for the reference rope" in host.said[-1]
     assert host.said[-1].endswith("take the native flavour, balance-rope export")
     assert host.hang({}) == OK
 
