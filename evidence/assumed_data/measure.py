@@ -17,12 +17,13 @@ from evidence.rendering import DOCS
 from evidence.tables import Measures, Tables, table
 from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.findings import OPEN
-from hoist_demo.calibration.fit import REACH, Array, fit, intervals, sensitivities
+from hoist_demo.calibration.fit import REACH, fit, intervals, sensitivities
 from hoist_demo.calibration.identify import residuals_of, stacked
 from hoist_demo.files.reading import read
 from hoist_demo.run.metrics import UNITS
 from hoist_demo.uncertainty.definition import UncertaintyFile
 from hoist_demo.uncertainty.spread import run_windings
+from rope_model.arrays import Array
 
 #: what is measured, with sigma
 EXAMPLES = DOCS.parent / "examples"

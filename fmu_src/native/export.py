@@ -107,7 +107,7 @@ def rope_sources() -> dict[str, str]:
     return sources()
 
 
-class Model(Protocol):
+class FmuModel(Protocol):
     """Model of an FMU that is not the rope.
 
     It has no arrays, events and directional derivatives; its outputs at an instant depend on no
@@ -155,7 +155,7 @@ def export_model(
     destination: Path,
     platforms: Sequence[str] | None,
     fmi: int,
-    model: Model,
+    model: FmuModel,
     identifier: str | None = None,
 ) -> Path:
     """Write the FMU of a model; ``platforms`` as for the rope.

@@ -14,7 +14,6 @@ from hoist_demo.calibration import measurements as kinds
 from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.findings import Finding, findings_of
 from hoist_demo.calibration.fit import (
-    Array,
     Fit,
     Residuals,
     error_of,
@@ -33,6 +32,7 @@ from hoist_demo.files.rope_file import following_statuses
 from hoist_demo.files.values import GIVEN
 from hoist_demo.run.provenance import SourcedValue, rope_provenance
 from rope_model import Datum, KnownRope
+from rope_model.arrays import Array
 
 #: Is told of each rope that was computed, with the number of its windings.
 Computed = Callable[[int], None]

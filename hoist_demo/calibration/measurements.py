@@ -20,7 +20,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from hoist_demo.calibration.fit import NotComputed
 from hoist_demo.calibration.prediction import MODES, MeasuredTrip, RopePredictor
 from hoist_demo.calibration.tracks import Markers
-from hoist_demo.files.reading import Table
+from hoist_demo.files.reading import TomlTable
 from hoist_demo.files.values import Text
 from hoist_demo.parameters import Winding
 from rope_model import SIGNALS
@@ -42,10 +42,10 @@ Series = Annotated[tuple[T, ...], BeforeValidator(_as_list), Field(min_length=1)
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Magnitude = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Time = Annotated[float, Field(ge=0.0, le=MAX_TIME)]
-Signal: Any = Literal[tuple(SIGNALS)]  #: Name of an output, docs/reference/variables.md.
+OutputName: Any = Literal[tuple(SIGNALS)]  #: Name of an output, docs/reference/variables.md.
 
 
-class RopeMeasurement(Table):
+class RopeMeasurement(TomlTable):
     """Values with their standard error, and the circumstances.
 
     A number that varies has as many as there are values.
@@ -172,7 +172,7 @@ class AtRest(InShaft):
     """An output of the rope at rest."""
 
     what: Literal["at rest"] = "at rest"
-    signal: Signal
+    signal: OutputName
 
     def predict(self, predictor: RopePredictor) -> Sequence[float]:
         return [
@@ -207,7 +207,7 @@ class Track(InShaft):
     """An output over a trip and the swing after it."""
 
     what: Literal["track"] = "track"
-    signal: Signal
+    signal: OutputName
     t: Series[Time]  # s, after the left end has begun to rise
     travel: Series[Finite]  # m
     speed: Series[Magnitude]  # m/s

@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 import rope_model
 from hoist_demo.calibration.fit import NotComputed
@@ -15,10 +14,10 @@ from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.parameters import Winding
 from rope_model import EndMotion, Scene
 from rope_model.analysis.modes import Modes, natural_modes
+from rope_model.arrays import Array
 from rope_model.catalogue import properties_of
 from rope_model.engine import NativeRope
 
-Array = NDArray[np.float64]
 COMMUNICATION = 0.02  #: Communication step of a track [s].
 #: Fidelity at which all is predicted: torsion and its coupling to tension are among the properties.
 FIDELITY: Literal["torsional"] = "torsional"

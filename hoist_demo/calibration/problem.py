@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 from itertools import islice
 
 import numpy as np
-from numpy.typing import NDArray
 
 import rope_model
 from hoist_demo.calibration.measurements import Measurements, Track
@@ -13,9 +12,8 @@ from hoist_demo.calibration.prediction import RopePredictor
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.files.rope_file import FOLLOWING
 from rope_model import Datum, Scene
-from rope_model.scene_names import with_values
-
-Array = NDArray[np.float64]
+from rope_model.arrays import Array
+from rope_model.scene_names import scene_with_values
 
 
 @dataclass(frozen=True)
@@ -57,7 +55,7 @@ class CalibrationProblem:
     def scene_at(self, norm_params: Array) -> Scene:
         """Return the scene with the rope at these shares of the ranges."""
         values = {name: self.value(name, norm_params) for name in self.sought}
-        return with_values(self.scene.with_(rope=self.rope(norm_params)), values)
+        return scene_with_values(self.scene.with_(rope=self.rope(norm_params)), values)
 
     def predictor(self, norm_params: Array) -> RopePredictor:
         """Return the predictor for the rope with these normalised parameters."""

@@ -35,15 +35,15 @@ from scipy.spatial.transform import Rotation
 
 from hoist_demo.calibration.fit import NotComputed
 from hoist_demo.calibration.prediction import RopePredictor
-from hoist_demo.files.reading import Table, path_from_file
+from hoist_demo.files.reading import TomlTable, path_from_file
 from hoist_demo.files.values import Text
 from rope_model import EndMotion, Scene, balance_rope
+from rope_model.arrays import Array
 from rope_model.boundary import quintic
 from rope_model.boundary.point_forces import at_places, elements_at
 from rope_model.parameters import Attachment
 from rope_model.physics.node import SIDES
 
-Array = NDArray[np.float64]
 REST = 25  #: Samples at rest that are put before the file.
 FIRST = 5  #: First samples of the file, in the mean of which the ends rest.
 ROBUST = 3.0  #: Standard errors from which on a residual counts for less.
@@ -77,7 +77,7 @@ class _Frames:
         return float(np.median(np.diff(self.t)))
 
 
-class Markers(Table):
+class Markers(TomlTable):
     """Markers along a rope between two ends that move."""
 
     what: Literal["markers"]

@@ -46,8 +46,8 @@ from hoist_demo.files.values import (
     GIVEN,
     ParameterValue,
     ParameterValues,
-    Status,
     Text,
+    ValueStatus,
     read_text,
     value_type,
     with_status,
@@ -129,7 +129,7 @@ class HoistFile(create_model("Tables", __base__=File, **_HOIST_FIELDS)):  # type
 
     name: Text = Field(description="of the hoist, in titles")
     source: Text = Field("", description="where the data come from")
-    status: Status = Field(GIVEN, description="of values without one")
+    status: ValueStatus = Field(GIVEN, description="of values without one")
     like: Annotated[Any, BeforeValidator(_base), WithJsonSchema({"type": "string"})] = Field(
         None, description="a hoist, by name or file, whose values count where these leave off"
     )

@@ -222,7 +222,7 @@ def rope_totals(ropes: tuple[BalanceRopeData, ...]) -> Hoist:
     return hoist_with(Hoist(), masses_and_lengths)
 
 
-def with_values(case: Case, values: Mapping[str, Value | ParameterValue]) -> Case:
+def case_with_values(case: Case, values: Mapping[str, Value | ParameterValue]) -> Case:
     """Return the hoist with values as if they stood in its file; derived values follow anew."""
     if not values:
         return case

@@ -11,7 +11,7 @@ from pathlib import Path
 from hoist_demo.cases.case import BUILTIN_HOISTS
 from hoist_demo.cases.hoist_file import schema
 from hoist_demo.cases.new import WISHES, new_hoist
-from hoist_demo.cases.rules import with_values
+from hoist_demo.cases.rules import case_with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.options import SET, settings
 from hoist_demo.command_line.support import describe
@@ -172,7 +172,7 @@ def _show(options: argparse.Namespace, everything: bool) -> int:
     from hoist_demo.run.complete_file import as_file
 
     values = settings(options.set, parameters())
-    case = with_values(find_case(options.hoist), values)
+    case = case_with_values(find_case(options.hoist), values)
     if everything:
         print(as_file(case, options.hoist, values))
     bounds = checks(case)

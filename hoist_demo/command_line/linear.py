@@ -143,7 +143,7 @@ def _modes(options: argparse.Namespace) -> int:
     """Write all modes of a hoist up to a frequency, and print those that the torque moves most."""
     import numpy as np
 
-    from hoist_demo.design.linear_model import PARTS, Modes
+    from hoist_demo.design.linear_model import PARTS, UndampedModes
     from hoist_demo.design.linearise import linearise, linearise_hoist
     from hoist_demo.design.reduction import modal_participation
     from hoist_demo.report.linear_figures import write_modes_figure
@@ -158,7 +158,7 @@ def _modes(options: argparse.Namespace) -> int:
     models = linearise(case, options.at, options.swivels, level=case.level)
     head = ("at", "frequency [Hz]", "damping", "felt by the drive", *PARTS)
     rows: list[list[float]] = []
-    modes: list[Modes] = []
+    modes: list[UndampedModes] = []
     print("".join(f"{name:>18}" for name in head), flush=True)
     for model in models:
         with tqdm(

@@ -47,7 +47,7 @@ from hoist_demo.recording.ropes import computed
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.report.rows import Report, SummaryRow, render, render_verdict
 from hoist_demo.run.data import RunData, build_single_trip, contradictions, fmu_part
-from hoist_demo.run.probe import Probe
+from hoist_demo.run.probe import FmuProbe
 from hoist_demo.run.provenance import host_provenance
 from hoist_demo.run.ropes import OneRope, Ropes, ropes_of
 from hoist_demo.run.wind import wind_run
@@ -405,7 +405,7 @@ def _rope_in_fmu(
         )
     outputs = read_outputs(fmu)
     shown = match_signals(_patterns(options, case), [*DRIVE_UNITS, *outputs])
-    probe = Probe(fmu)
+    probe = FmuProbe(fmu)
     probe.require_hoist(run)
     if fmu_part(overrides):
         probe.require_start(run)

@@ -22,7 +22,7 @@ from hoist_demo.control.kernel import ARGUMENTS, RESULTS, law_kernel
 from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint
 from hoist_demo.cosimulation.drive_signals import OUTPUT_COLUMNS, ROW, WORK_COLUMNS
 from hoist_demo.cosimulation.participants.c_structures import (
-    Member,
+    CMember,
     SharedStructure,
     definition,
     fields_of,
@@ -127,10 +127,10 @@ class TripSample(SharedStructure):
     """Forces and motions of the interface at one communication point."""
 
     members = (
-        Member("t", "double"),
-        Member("force", "double", length=2),
-        Member("mean", "double", length=2),
-        Member("acceleration", "double", length=2),
+        CMember("t", "double"),
+        CMember("force", "double", length=2),
+        CMember("mean", "double", length=2),
+        CMember("acceleration", "double", length=2),
     )
     _fields_ = fields_of(members)
 
@@ -140,51 +140,51 @@ class Trip(SharedStructure):
 
     members = (
         # the drive
-        Member("drive", "Kernel *", "one substep of the drive"),
-        Member("z", "double *", "its arguments"),
-        Member("y", "double *", "its results"),
-        Member("law_arguments", "double *"),
+        CMember("drive", "Kernel *", "one substep of the drive"),
+        CMember("z", "double *", "its arguments"),
+        CMember("y", "double *", "its results"),
+        CMember("law_arguments", "double *"),
         # the rope; accesses without a function where it lacks one
-        Member("step", "Access"),
-        Member("motions", "Access"),
-        Member("valid", "Access"),
-        Member("forces", "Access"),
-        Member("sides", "Access"),
-        Member("guard", "Access"),
-        Member("recorded", "const Access *"),
-        Member("warning", "RopeWarning *"),
-        Member("warned", "char *", "1 for each warning that was logged"),
-        Member("text", "char *", "of a warning"),
-        Member("log_warnings", "LogWarnings *"),
-        Member("records", "int", "number of recorded accesses"),
-        Member("warnings", "int", "number of warnings"),
-        Member("watched", "int", "not 0 while the safety circuit is watched"),
+        CMember("step", "Access"),
+        CMember("motions", "Access"),
+        CMember("valid", "Access"),
+        CMember("forces", "Access"),
+        CMember("sides", "Access"),
+        CMember("guard", "Access"),
+        CMember("recorded", "const Access *"),
+        CMember("warning", "RopeWarning *"),
+        CMember("warned", "char *", "1 for each warning that was logged"),
+        CMember("text", "char *", "of a warning"),
+        CMember("log_warnings", "LogWarnings *"),
+        CMember("records", "int", "number of recorded accesses"),
+        CMember("warnings", "int", "number of warnings"),
+        CMember("watched", "int", "not 0 while the safety circuit is watched"),
         # the trip
-        Member("per_sample", "int", "steps"),
-        Member("per_step", "int", "commands"),
-        Member("start", "double", "s"),
-        Member("H", "double", "s, communication step"),
-        Member("period", "double", "s, of samples"),
-        Member("radius", "double", "m, of the sheave"),
-        Member("start_height", "double", "m, of the left conveyance"),
-        Member("ropes", "double", "number of tail ropes"),
-        Member("slack_tension", "double", "N"),
-        Member("reference", "const Reference *", "of all commands of the trip"),
+        CMember("per_sample", "int", "steps"),
+        CMember("per_step", "int", "commands"),
+        CMember("start", "double", "s"),
+        CMember("H", "double", "s, communication step"),
+        CMember("period", "double", "s, of samples"),
+        CMember("radius", "double", "m, of the sheave"),
+        CMember("start_height", "double", "m, of the left conveyance"),
+        CMember("ropes", "double", "number of tail ropes"),
+        CMember("slack_tension", "double", "N"),
+        CMember("reference", "const Reference *", "of all commands of the trip"),
         # its state
-        Member("samples", "TripSample *", "the last ones, oldest first"),
-        Member("row", "double *", "of the record, where the first sample goes"),
-        Member("columns", "size_t", "of a row"),
-        Member("step_next", "double", "s, of the drive"),
-        Member("torque", "double", "N m, commanded"),
-        Member("integral", "double", "of the controller"),
-        Member("residual", "double", "J, energy that the coupling adds"),
-        Member("exchanges", "double"),
-        Member("drive_time", "double", "s, wall time"),
-        Member("rope_time", "double", "s, wall time"),
-        Member("sample_count", "int"),
-        Member("steps", "int"),
-        Member("evaluations", "int", "of the drive"),
-        Member("status", "int", "of the rope's latest call"),
+        CMember("samples", "TripSample *", "the last ones, oldest first"),
+        CMember("row", "double *", "of the record, where the first sample goes"),
+        CMember("columns", "size_t", "of a row"),
+        CMember("step_next", "double", "s, of the drive"),
+        CMember("torque", "double", "N m, commanded"),
+        CMember("integral", "double", "of the controller"),
+        CMember("residual", "double", "J, energy that the coupling adds"),
+        CMember("exchanges", "double"),
+        CMember("drive_time", "double", "s, wall time"),
+        CMember("rope_time", "double", "s, wall time"),
+        CMember("kept_samples", "int"),
+        CMember("steps", "int"),
+        CMember("evaluations", "int", "of the drive"),
+        CMember("status", "int", "of the rope's latest call"),
     )
     _fields_ = fields_of(members, (Access,))
 
@@ -344,7 +344,7 @@ class CompiledTrip:
             kept.force[:] = sample.force
             kept.mean[:] = sample.mean
             kept.acceleration[:] = sample.acceleration
-        trip.sample_count = len(scheme_state.samples)
+        trip.kept_samples = len(scheme_state.samples)
         trip.step_next = state.step_next
         trip.steps = run.steps
         if run.controller is None:
@@ -367,7 +367,7 @@ class CompiledTrip:
         )
         run.drive.set_state(state, last["applied_input"], last["outputs"])
         run.scheme_state = run.scheme_state._replace(
-            samples=tuple(map(_sample_of, self._samples[: trip.sample_count])),
+            samples=tuple(map(_sample_of, self._samples[: trip.kept_samples])),
             exchanges=int(trip.exchanges),
             residual=trip.residual,
         )

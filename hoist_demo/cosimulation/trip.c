@@ -249,10 +249,10 @@ static double command(Trip *trip, const Reference reference) {
 /* Continue the line through the rope's last forces over the next step. */
 static void extrapolate_forces(Trip *trip) {
     double *path = trip->z + AT_PATH;
-    const TripSample *last = trip->samples + trip->sample_count - 1;
+    const TripSample *last = trip->samples + trip->kept_samples - 1;
     for (int i = 0; i < 2; i++) {
         double slope = 0.0;
-        if (trip->sample_count > 1) slope = (last->force[i] - last[-1].force[i]) / -((last[-1].t - last->t) / trip->H);
+        if (trip->kept_samples > 1) slope = (last->force[i] - last[-1].force[i]) / -((last[-1].t - last->t) / trip->H);
         path[FORCE + i] = last->force[i];
         path[INPUTS + FORCE + i] = slope;
     }
@@ -279,11 +279,11 @@ static Stop step_drive_under_commands(Trip *trip, const Reference *reference) {
 
 /* Keep a sample behind the others, in place of the oldest one. */
 static void append_sample(Trip *trip, TripSample sample) {
-    if (trip->sample_count == HISTORY)
+    if (trip->kept_samples == HISTORY)
         memmove(trip->samples, trip->samples + 1, (HISTORY - 1) * sizeof sample);
     else
-        trip->sample_count++;
-    trip->samples[trip->sample_count - 1] = sample;
+        trip->kept_samples++;
+    trip->samples[trip->kept_samples - 1] = sample;
 }
 
 /* Step both partners from t, as GaussSeidel(1) and CoupledSystem.exchanged do. */

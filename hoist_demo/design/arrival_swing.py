@@ -20,10 +20,11 @@ from numpy.typing import NDArray
 
 from hoist_demo.cases.case import Case
 from hoist_demo.design.krylov_basis import NoSmallModel
-from hoist_demo.design.linear_model import Array, LinearModel
+from hoist_demo.design.linear_model import LinearModel
 from hoist_demo.design.linearise import linearise
 from hoist_demo.design.reduced_model import SLOWEST, ReducedModel
 from hoist_demo.design.reduction import reduced
+from rope_model.arrays import Array
 
 LASTING = 0.3  #: Damping ratio of a mode that swings after an arrival, at most.
 BAND = 2.0  #: Upper end of the frequencies that count [Hz].

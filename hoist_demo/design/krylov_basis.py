@@ -15,7 +15,8 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-from hoist_demo.design.linear_model import Array, LinearModel
+from hoist_demo.design.linear_model import LinearModel
+from rope_model.arrays import Array
 
 _SHIFT = 0.3  #: Re s / 2 pi of the basis [Hz].
 _FIRST_SHIFT = 0.5  #: Im s of the first shift, over the band.

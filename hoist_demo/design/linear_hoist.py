@@ -14,12 +14,12 @@ from typing import Any, Literal, NamedTuple
 import casadi as ca
 import numpy as np
 
-from hoist_demo.design.linear_model import Array
 from hoist_demo.drive.coordinates import INPUT_NAMES, extra_coordinates, state_names
 from hoist_demo.drive.equations import equations
 from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.drive.plant import HoistPlant
 from hoist_demo.parameters import Hoist
+from rope_model.arrays import Array
 
 HeldBy = Literal["motor", "brake"]
 _DRIVE_OUTPUTS = (

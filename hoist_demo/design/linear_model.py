@@ -15,9 +15,9 @@ from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
 
 from hoist_demo.design.equal_ropes import equal_ropes, merged_coordinates, modes_of_fewer
-from hoist_demo.design.sparse_modes import Progress, sparse_modes
+from hoist_demo.design.sparse_modes import BandProgress, sparse_modes
+from rope_model.arrays import Array
 
-Array = NDArray[np.float64]
 #: What moves in a mode: the hoist, or the rope along its legs, in the loop's plane, out of it, or about itself.
 PARTS = ("hoist", "vertical", "in plane", "out of plane", "twist")
 #: Coordinates up to which all modes at once take less time than those of a band.
@@ -27,7 +27,7 @@ _DIRECTION = (1, 0, 2, 1, 0, 2, 3)  #: Of a node's coordinates, by PARTS behind 
 
 
 @dataclass(frozen=True)
-class Modes:
+class UndampedModes:
     """Undamped modes: frequencies [Hz], damping ratios of the diagonal of D, shapes (coordinates, modes) of unit mass.
 
     `shares` (PARTS, modes) are the parts of the kinetic energy.
@@ -44,7 +44,7 @@ class _Finder:
     """Finds modes up to a square of the angular frequency, and tells which part of all problems is done."""
 
     largest: float  # 1/s^2
-    progress: Progress
+    progress: BandProgress
     problems: int
     done: int = 0
 
@@ -126,7 +126,7 @@ class LinearModel:
         chosen = sp.eye(len(self.names), format="csc")[:, moves]
         return chosen @ merged_coordinates(len(names), groups)
 
-    def modes(self, highest: float, progress: Progress = lambda part: None) -> Modes:
+    def modes(self, highest: float, progress: BandProgress = lambda part: None) -> UndampedModes:
         """Return the modes up to a frequency [Hz], held coordinates at rest and without what lags.
 
         `progress` hears which part of the band is done.
@@ -148,7 +148,7 @@ class LinearModel:
         ]
         energy = shapes * (M @ shapes)
         shares = np.array([energy[[part == x for x in kind]].sum(axis=0) for part in PARTS])
-        return Modes(omega / (2 * np.pi), damping, shapes, shares)
+        return UndampedModes(omega / (2 * np.pi), damping, shapes, shares)
 
     def selected(self, inputs: Iterable[str], outputs: Iterable[str]) -> LinearModel:
         """Return the model with these inputs and outputs only; ValueError for others than it has."""

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.io import savemat
 
-from hoist_demo.design.linear_model import Array
+from rope_model.arrays import Array
 from rope_model.files import whole_file, write_text
 
 Complex = NDArray[np.complex128]

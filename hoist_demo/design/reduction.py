@@ -26,8 +26,9 @@ import numpy as np
 from scipy.sparse.linalg import splu
 
 from hoist_demo.design.krylov_basis import NoSmallModel, StateCount, UnfitStates, krylov_bases
-from hoist_demo.design.linear_model import Array, LinearModel, Modes
+from hoist_demo.design.linear_model import LinearModel, UndampedModes
 from hoist_demo.design.reduced_model import ALPHA, SLOWEST, Complex, ReducedModel, StateSpace
+from rope_model.arrays import Array
 
 #: Modes up to so many times the band's upper end are looked at.
 BEYOND = 5.0
@@ -196,7 +197,7 @@ def _projected(model: LinearModel, basis: Array) -> StateSpace:
     return _first_order(model, V, W)
 
 
-def modal_participation(model: LinearModel, modes: Modes, band: float) -> Array:
+def modal_participation(model: LinearModel, modes: UndampedModes, band: float) -> Array:
     """Return the largest share (modes,) of each mode in any channel on s = alpha + i omega in the band."""
     s = _line(band)[:, None]
     omega = 2 * np.pi * modes.frequencies

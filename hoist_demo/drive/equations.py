@@ -41,7 +41,7 @@ _ROPE_FORCES = ("y", "x", "z", "yaw")  #: Coordinates on which a balance rope's 
 
 
 @dataclass(frozen=True)
-class Equations:
+class HoistEquations:
     """CasADi functions of hoists with the same parts.
 
     Arguments are the state x, the input u, the free lengths l0 and the hoist's numbers p.
@@ -134,7 +134,7 @@ class _StateChange(NamedTuple):
 
 
 @cache
-def equations(structure: Hoist) -> Equations:
+def equations(structure: Hoist) -> HoistEquations:
     """Return the equations of motion of all hoists of this `Hoist.equation_structure`."""
     symbols = _symbols(structure)
     parts = _parts(symbols)
@@ -153,7 +153,7 @@ def equations(structure: Hoist) -> Equations:
     at_rest = [state.x, symbols.free_lengths, symbols.numbers]
     powers = _powers(symbols, parts, sliding.lining)
     outputs = _outputs(symbols, parts, energies, sliding.accelerations)
-    return Equations(
+    return HoistEquations(
         rates=_function("rates", arguments, state.rates),
         powers=_function("powers", arguments, powers),
         outputs=_function("outputs", arguments, outputs),

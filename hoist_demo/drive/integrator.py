@@ -43,14 +43,16 @@ from hoist_demo.drive.coordinates import (
     WORK_NAMES,
     state_names,
 )
-from hoist_demo.drive.equations import Equations, equations
+from hoist_demo.drive.equations import HoistEquations, equations
 from hoist_demo.drive.kernels import Kernel, KernelForm, build_library, prepare
 from hoist_demo.drive.outputs import OUTPUTS
 from hoist_demo.parameters import Hoist
 from rope_model.compiler import cache_folder
 
 Vector = NDArray[np.float64]
-Event = Callable[[Vector], float]  #: Function of the result of `advance`; positive ends the steps.
+EventFunction = Callable[
+    [Vector], float
+]  #: Function of the result of `advance`; positive ends the steps.
 MIN_STEP = 1e-7  #: Step of the integrator [s] below which it gives up.
 SAFETY = 0.9  #: Factor on the step that the error allows.
 MIN_FACTOR = 0.5  #: Smallest factor from one step to the next.
@@ -62,7 +64,7 @@ STEP_ROUNDING = 1e-9  #: Part of a step by which the rest may exceed it through 
 EVENT_TOLERANCE = 1e-9
 TOLERANCE = 1e-8  #: Bound of a step's error, relative and in SI units.
 WORK_COUNT = len(WORK_NAMES) + len(LOSS_NAMES)
-PATH = 3 * len(INPUT_NAMES)  #: Numbers of a path: u_0, u_1 and u_2.
+PATH_SIZE = 3 * len(INPUT_NAMES)  #: Numbers of a path: u_0, u_1 and u_2.
 ORDER = 5
 #: Weights b of the result, the last stage.
 _B = (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84)
@@ -179,10 +181,10 @@ def drive_kernels(structure: Hoist, form: KernelForm = "auto") -> DriveKernels:
 
 def _step_parameter_sizes(structure: Hoist) -> dict[str, int]:
     """Return the sizes of the arguments of `advance` that are held over a communication step."""
-    return {"H": 1, "path": PATH, "added_mass": 2, "l0": 2, "p": len(structure.numbers)}
+    return {"H": 1, "path": PATH_SIZE, "added_mass": 2, "l0": 2, "p": len(structure.numbers)}
 
 
-def _advance(eqs: Equations, argument_slices: dict[str, slice]) -> Any:
+def _advance(eqs: HoistEquations, argument_slices: dict[str, slice]) -> Any:
     """Return `advance` as a CasADi function of one vector that gives one vector."""
     n = argument_slices["x"].stop
     first_step_param = argument_slices["H"].start
@@ -205,7 +207,7 @@ def _advance(eqs: Equations, argument_slices: dict[str, slice]) -> Any:
     return ca.Function("advance", [z], [result])
 
 
-def _slope(eqs: Equations, states: int, numbers: int) -> Any:
+def _slope(eqs: HoistEquations, states: int, numbers: int) -> Any:
     """Return the CasADi function (y, s, step_params) -> dy/ds."""
     y = ca.SX.sym("y", states + WORK_COUNT)
     s = ca.SX.sym("s")
@@ -216,7 +218,7 @@ def _slope(eqs: Equations, states: int, numbers: int) -> Any:
     return ca.Function("slope", [y, s, symbols.step_params], [ca.cse(value)])
 
 
-def _loads_and_outputs(eqs: Equations, states: int, numbers: int) -> Any:
+def _loads_and_outputs(eqs: HoistEquations, states: int, numbers: int) -> Any:
     """Return the CasADi function (x, s, step_params) -> input that acts, outputs."""
     x = ca.SX.sym("x", states)
     s = ca.SX.sym("s")
@@ -237,11 +239,11 @@ class _StepSymbols(NamedTuple):
     p: Any
 
 
-def _step_symbols(eqs: Equations, numbers: int, x: Any, s: Any) -> _StepSymbols:
+def _step_symbols(eqs: HoistEquations, numbers: int, x: Any, s: Any) -> _StepSymbols:
     """Return the symbols of a communication step, with the input at s in the state x."""
     step_params = ca.SX.sym("step_params", numbers)
     H, path, added_mass, l0, p = ca.vertsplit(
-        step_params, [0, 1, 1 + PATH, 3 + PATH, 5 + PATH, numbers]
+        step_params, [0, 1, 1 + PATH_SIZE, 3 + PATH_SIZE, 5 + PATH_SIZE, numbers]
     )
     start, linear, quadratic = ca.vertsplit(path, len(INPUT_NAMES))
     polynomial = start + s * (linear + s * quadratic)
@@ -249,7 +251,7 @@ def _step_symbols(eqs: Equations, numbers: int, x: Any, s: Any) -> _StepSymbols:
     return _StepSymbols(step_params, H, u, l0, p)
 
 
-def _applied_input(eqs: Equations, x: Any, u: Any, added_mass: Any, l0: Any, p: Any) -> Any:
+def _applied_input(eqs: HoistEquations, x: Any, u: Any, added_mass: Any, l0: Any, p: Any) -> Any:
     """Return the input with its forces less the added masses times the accelerations."""
     a = eqs.rates(x, u, l0, p)[list(ACCELERATIONS)]
     B = eqs.accelerance(x, u, l0, p)
@@ -304,7 +306,7 @@ class Integrator:
         return columns.T
 
     def integrate(
-        self, h: float, size: float, span: Span, event: Event | None = None
+        self, h: float, size: float, span: Span, event: EventFunction | None = None
     ) -> StepsEnd | None:
         """Integrate over a span of a communication step of h [s], or until an event.
 
@@ -340,7 +342,7 @@ class Integrator:
         return self.y.copy()
 
     def _locate(
-        self, event: Event, y: Vector, s: float, used: float, h: float
+        self, event: EventFunction, y: Vector, s: float, used: float, h: float
     ) -> tuple[Vector, float]:
         """Return the result just behind an event within a step, and the size of the step to there.
 

@@ -26,7 +26,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hoist_demo.drive.coordinates import INPUT_NAMES, STATE_NAMES
-from hoist_demo.drive.integrator import MIN_STEP, WORK_COUNT, Event, Integrator, Span, Vector
+from hoist_demo.drive.integrator import (
+    MIN_STEP,
+    WORK_COUNT,
+    EventFunction,
+    Integrator,
+    Span,
+    Vector,
+)
 from hoist_demo.drive.kernels import KernelForm
 from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.parameters import GRAVITY, SIDES, Hoist
@@ -291,7 +298,7 @@ class _Phase(NamedTuple):
 
     integrator: Integrator
     x: Vector  # the state in the integrator's coordinates
-    event: Event | None  # that ends the phase
+    event: EventFunction | None  # that ends the phase
 
 
 def free_lengths(hoist: Hoist, heights: Sequence[Any], forces: Sequence[Any]) -> tuple[Any, Any]:

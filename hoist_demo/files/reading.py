@@ -31,7 +31,7 @@ class FileError(ValueError):
         )
 
 
-class Table(pydantic.BaseModel):
+class TomlTable(pydantic.BaseModel):
     """TOML table whose keys are all known."""
 
     model_config = pydantic.ConfigDict(
@@ -39,7 +39,7 @@ class Table(pydantic.BaseModel):
     )
 
 
-class File(Table):
+class File(TomlTable):
     """Whole TOML file, with the path from which it was read."""
 
     _path: Path = pydantic.PrivateAttr(Path())
@@ -63,7 +63,7 @@ EMPTY: Any = pydantic.Field(default={}, validate_default=True)
 class Flat:
     """Annotation for pydantic: the key is a table of this model, and its value is `make` of it."""
 
-    model: type[Table]
+    model: type[TomlTable]
     make: Callable[[Any], Any]
 
     def __get_pydantic_core_schema__(
@@ -77,7 +77,7 @@ def table_of(
     name: str,
     parameters: Iterable[FileParameter],
     leaf: Callable[[FileParameter], Any] = value_type,
-) -> type[Table]:
+) -> type[TomlTable]:
     """Return the model of a table with these parameters, whose names may have more dots.
 
     `leaf` gives their types.
@@ -97,7 +97,7 @@ def table_of(
         # brackets in a key are no identifier
         fields[f"key{number}"] = (kind, pydantic.Field(default=None, alias=key))
     title = "".join(map(str.title, name.split(".")))
-    model: type[Table] = pydantic.create_model(title, __base__=Table, **fields)
+    model: type[TomlTable] = pydantic.create_model(title, __base__=TomlTable, **fields)
     return model
 
 
@@ -108,7 +108,7 @@ def contents(table: pydantic.BaseModel, prefix: str = "") -> Iterator[tuple[str,
             continue
         key = f"{prefix}{field.alias or name}"
         content = getattr(table, name)
-        if isinstance(content, Table) and not isinstance(content, File):
+        if isinstance(content, TomlTable) and not isinstance(content, File):
             yield from contents(content, f"{key}.")
         else:
             yield key, content
@@ -116,7 +116,7 @@ def contents(table: pydantic.BaseModel, prefix: str = "") -> Iterator[tuple[str,
 
 def flat(name: str, fields: Mapping[str, Any], make: Callable[[Any], Any] | None = None) -> Flat:
     """Return the annotation of a table with these fields: its values by dotted names."""
-    model: type[Table] = pydantic.create_model(name, __base__=Table, **fields)
+    model: type[TomlTable] = pydantic.create_model(name, __base__=TomlTable, **fields)
     return Flat(model, make or (lambda table: dict(contents(table))))
 
 

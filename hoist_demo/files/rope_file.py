@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 from hoist_demo.files.reading import (
     EMPTY,
     File,
-    Table,
+    TomlTable,
     contents,
     flat,
     path_from_file,
@@ -71,7 +71,7 @@ def _read_other(content: Any, info: ValidationInfo) -> KnownFile | None:
     return read(path_from_file(info, read_text(content)), _OtherFile, reading_chain(info))
 
 
-class CatalogueQuery(Table):
+class CatalogueQuery(TomlTable):
     """Table [rope]: the query to the catalogue."""
 
     file: Annotated[Any, BeforeValidator(_read_other), WithJsonSchema({"type": "string"})] = Field(

@@ -60,7 +60,7 @@ class Brake(ValidatedData, of="brake."):
 
 
 @dataclass(frozen=True)
-class Lining(ValidatedData, of="lining."):
+class SheaveLining(ValidatedData, of="lining."):
     """Lining of the sheave, on which the head ropes may slide; all values [assumed]."""
 
     sliding: float = parameter(

@@ -17,7 +17,15 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play, require
+from hoist_demo.parameters.components import (
+    Brake,
+    DriveShaft,
+    Guides,
+    Jam,
+    Play,
+    SheaveLining,
+    require,
+)
 from hoist_demo.parameters.quantity import NONNEGATIVE, NumberRange, ValidatedData, parameter
 from rope_model.physics.elementary import Scalar, maximum, sum_of
 
@@ -122,7 +130,7 @@ class Hoist(ValidatedData):
     brake: Brake | None = parameter(
         None, "", "brake on the sheave; left out: only the motor brakes"
     )
-    lining: Lining | None = parameter(
+    lining: SheaveLining | None = parameter(
         None, "", "lining on which the head ropes may slide; left out: they hold whatever they pull"
     )
     guides: Guides | None = parameter(None, "", "friction along the guides; left out: none")

@@ -14,7 +14,7 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from hoist_demo.cases.case import Case
-from hoist_demo.cases.rules import with_values
+from hoist_demo.cases.rules import case_with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.identity import Identity, named_values
@@ -114,7 +114,7 @@ def build(
     their place, or else those of the file. `start` is the height of the left conveyance before the
     trip [m]; None: at a landing.
     """
-    hoist_case = with_values(find_case(case), values)
+    hoist_case = case_with_values(find_case(case), values)
     varied = dict(varied or {})
     differing = values_of(varied)
     status_by_name = dict(hoist_case.status_by_name)

@@ -7,7 +7,7 @@ from functools import cached_property
 from itertools import combinations
 
 from hoist_demo.cases.case import BalanceRopeData, Case
-from hoist_demo.cases.rules import with_values
+from hoist_demo.cases.rules import case_with_values
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
@@ -155,7 +155,7 @@ def ropes_of(
     if not case.distinct_ropes:
         parameters = {**run.rope_values, **fmu_part(values_of(overrides))}
         return Ropes(case, run, (OneRope("", parameters, level, case, outputs=outputs),))
-    case = with_values(case, overrides)
+    case = case_with_values(case, overrides)
     guards = _guards(run.rope_values)
     for rope in case.distinct_ropes:
         guards |= _guards(rope.parameters)

@@ -52,7 +52,7 @@ SMALL_FORCE = 1e-3  #: N, error of the law that is always allowed
 #: a step is halved if the created energy exceeds this fraction of the largest work of any step
 CREATED_FRACTION = 0.02
 SLOW = 0.1  #: m/s, speed at which the kinetic energy of a metre of the rope is a lower bound of that work
-MIN_STEP = 2e-3  #: s, shortest step
+MIN_CONTACT_STEP = 2e-3  #: s, shortest step
 #: a step is also halved if touching points approach by more diameters: they might pass through each
 #: other
 LEAP = 0.5
@@ -173,7 +173,7 @@ class Neighbours:
         for partner in partners:
             partner.begin(t, h)
         missed = self._whole_step(t, h, partners)
-        shortest = 0.5 * h < MIN_STEP
+        shortest = 0.5 * h < MIN_CONTACT_STEP
         if missed is not None and (
             shortest or (missed <= TOLERANCE and not self._too_long(before))
         ):

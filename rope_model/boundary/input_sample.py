@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
 
 from rope_model.boundary import quintic
 from rope_model.boundary.end_paths import PATH, RESTS_BELOW, EndMotion
@@ -18,7 +18,9 @@ from rope_model.boundary.input_filter import (
     MIN_AIM_TIME,
     MIN_MEAN_TIME,
     NOT_ESTIMATED,
+    Axis,
     FilterSettings,
+    Four,
     InputFilter,
     Repetitions,
 )
@@ -67,7 +69,7 @@ def filter_sample(
 
 def _motion(
     state: InputFilter, settings: FilterSettings, since: Scalar, end: EndMotion, repeated: Scalar
-) -> tuple[Vector, ...]:
+) -> tuple[Axis, Axis, Axis, Axis]:
     """Return position, speed and acceleration of each axis, completed from a sample that is no repetition."""
     _, yaw_rate, _ = state.motion[_YAW]
     # FMI gives no yaw acceleration: take the mean since the sample before
@@ -78,19 +80,20 @@ def _motion(
         (*end.acceleration, yaw_acceleration),
         strict=True,
     )
-    motion = []
+    motion: list[Any] = []
     for old, sample in zip(state.motion, samples, strict=True):
         new = _completed(old, settings, since, sample)
         motion.append(tuple(_unless(repeated, old, new)))
-    return tuple(motion)
+    x, y, z, yaw = motion
+    return x, y, z, yaw
 
 
-def _moves(motion: tuple[Vector, ...]) -> Scalar:
+def _moves(motion: Sequence[Axis]) -> Scalar:
     """Return whether an axis moves."""
     return logical_or(*(abs(speed) > RESTS_BELOW for _, speed, _ in motion))
 
 
-def _recent_changes(state: InputFilter, motion: tuple[Vector, ...], fades: Scalar) -> Vector:
+def _recent_changes(state: InputFilter, motion: Sequence[Axis], fades: Scalar) -> Four:
     """Return the largest recent changes of the accelerations, of which earlier ones fade."""
     changes = []
     for axis, before, change in zip(
@@ -98,7 +101,8 @@ def _recent_changes(state: InputFilter, motion: tuple[Vector, ...], fades: Scala
     ):
         _, _, acceleration = axis
         changes.append(maximum(abs(acceleration - before), fades * change))
-    return tuple(changes)
+    x, y, z, yaw = changes
+    return x, y, z, yaw
 
 
 def _repetitions(
@@ -113,7 +117,9 @@ def _repetitions(
     )
 
 
-def _lean_rates(state: InputFilter, since: Scalar, end: EndMotion, repeated: Scalar) -> Vector:
+def _lean_rates(
+    state: InputFilter, since: Scalar, end: EndMotion, repeated: Scalar
+) -> tuple[float, float]:
     """Return the mean rates of the leans since the sample before."""
     latest = EndMotion(*state.given)
     means = (
@@ -121,7 +127,8 @@ def _lean_rates(state: InputFilter, since: Scalar, end: EndMotion, repeated: Sca
         (end.lean_z - latest.lean_z) / since,
     )
     keeps_rates = logical_or(repeated, since < MIN_AIM_TIME)
-    return tuple(_unless(keeps_rates, state.lean_rates, means))
+    lean, lean_z = _unless(keeps_rates, state.lean_rates, means)
+    return lean, lean_z
 
 
 def _unless(keeps_old: Scalar, old: Vector, new: Vector) -> Iterator[Scalar]:

@@ -24,7 +24,7 @@ from rope_model.reference.equations import HEIGHT
 from rope_model.reference.hanging import hang
 from rope_model.reference.mesh import mesh_of, require_mesh_of
 from rope_model.reference.newton import Cause, Failure
-from rope_model.reference.outputs import NAMES, group_of
+from rope_model.reference.outputs import NAMES, values_function
 from rope_model.reference.result_warnings import warnings_of
 from rope_model.reference.scope import require_published
 from rope_model.reference.state import State, require_finite
@@ -156,7 +156,7 @@ class ReferenceRope(BalanceRope):
         wanted = NAMES if names is None else checked_names(names)
         values: dict[str, float] = {}
         for name in wanted:
-            group = group_of(name)
+            group = values_function(name)
             if group is None:
                 raise ValueError(
                     messages.engine_alone(f"the reference rope does not compute {name}")

@@ -32,7 +32,7 @@ _NOT_TO_RUN = ("sources/", "documentation/", "terminalsAndIcons/")
 
 
 @dataclass(frozen=True, eq=False)
-class Variable:
+class DescribedVariable:
     """A variable as the model description states it; an array is one variable."""
 
     name: str
@@ -48,7 +48,7 @@ class Variable:
     items: Mapping[str, int]  # codes of an enumeration's items
 
 
-def _variable(declaration: ScalarVariable) -> Variable:
+def _variable(declaration: ScalarVariable) -> DescribedVariable:
     """Return a variable of FMPy's model description."""
     kind = _kind(declaration.type)
     declared = declaration.declaredType
@@ -63,7 +63,7 @@ def _variable(declaration: ScalarVariable) -> Variable:
     if items:
         low = min(items.values())
         high = max(items.values())
-    return Variable(
+    return DescribedVariable(
         name=declaration.name,
         reference=int(declaration.valueReference),
         causality=declaration.causality,
@@ -140,12 +140,12 @@ class Fmu:
     """Contents of an FMU's description."""
 
     description: Any  # FMPy's
-    variables: tuple[Variable, ...]
+    variables: tuple[DescribedVariable, ...]
 
     @cached_property
-    def by_name(self) -> dict[str, Variable]:
+    def by_name(self) -> dict[str, DescribedVariable]:
         """Variable of each name; the names of an array's elements have the array."""
-        by_name: dict[str, Variable] = {}
+        by_name: dict[str, DescribedVariable] = {}
         for variable in self.variables:
             by_name |= dict.fromkeys(variable.elements, variable)
         return by_name
@@ -174,7 +174,7 @@ class Fmu:
         return units
 
 
-def _parameter(name: str, variable: Variable, start: Value) -> FileParameter:
+def _parameter(name: str, variable: DescribedVariable, start: Value) -> FileParameter:
     """Return one element of a variable as a parameter."""
     return FileParameter(
         name,

@@ -27,7 +27,7 @@ from hoist_demo.cosimulation.participants.fmi_versions import (
 from hoist_demo.cosimulation.participants.fmu_description import (
     DOUBLES,
     NUMBERS,
-    Variable,
+    DescribedVariable,
     read_fmu,
     unpacked,
     version_of,
@@ -200,7 +200,7 @@ class FmuRope:
         return buffers, values
 
     def _buffers(
-        self, direction: Literal["Get", "Set"], variables: Sequence[Variable], rows: int
+        self, direction: Literal["Get", "Set"], variables: Sequence[DescribedVariable], rows: int
     ) -> list[Buffer]:
         """Return a buffer for the variables of each type."""
         buffers = []
@@ -294,12 +294,12 @@ class FmuRope:
             return self._chosen[name]
         return self._described[name].start
 
-    def _variable(self, name: str) -> Variable:
+    def _variable(self, name: str) -> DescribedVariable:
         if name not in self._variables:
             raise ValueError(f"the FMU must have a variable '{name}': export it anew")
         return self._variables[name]
 
-    def _set(self, variable: Variable) -> None:
+    def _set(self, variable: DescribedVariable) -> None:
         """Set a parameter, of an array all elements, to the values chosen, by its FMI type."""
         values = [_typed(variable, self._value(name)) for name in variable.elements]
         try:
@@ -388,7 +388,7 @@ def _columns(buffer: Buffer, names: Sequence[str]) -> _Columns:
     return _Columns(np.array(in_buffer), np.array(in_table))
 
 
-def _is_double(variable: Variable) -> bool:
+def _is_double(variable: DescribedVariable) -> bool:
     """Return True for a scalar whose value is a double in C."""
     return variable.type in DOUBLES and variable.elements == (variable.name,)
 
@@ -400,7 +400,7 @@ def _digest(path: Path, changed: int, size: int) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _typed(v: Variable, value: Value) -> Value:
+def _typed(v: DescribedVariable, value: Value) -> Value:
     """Convert a value to the variable's FMI type, an enumeration's item to its number."""
     if v.kind == "Enumeration" and isinstance(value, str):
         if value not in v.items:

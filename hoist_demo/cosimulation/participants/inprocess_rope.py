@@ -29,7 +29,7 @@ from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, Reader
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.parameters.suspension import SuspensionOffset
 from hoist_demo.recording.fidelity import FIDELITY, code_of
-from rope_model.scene_names import named_parameters, with_values
+from rope_model.scene_names import named_parameters, scene_with_values
 
 _log = logging.getLogger(__name__)
 _TAG = b"rope in process\n"
@@ -209,7 +209,7 @@ def rope_scene(
 
     `suspension` adds to the spacing of the rope's ends.
     """
-    scene = with_values(rope_model.at_level(rope_model.Scene(), level), parameters)
+    scene = scene_with_values(rope_model.at_level(rope_model.Scene(), level), parameters)
     if suspension is None:
         return scene
     return scene.with_(

@@ -45,7 +45,7 @@ class InterfaceMotion(NamedTuple):
     acceleration: Vector  # m/s^2
 
 
-class Load(NamedTuple):
+class DriveLoad(NamedTuple):
     """Forces on the drive over one step, each (n,), in N; the added mass in kg."""
 
     start: Vector
@@ -54,16 +54,16 @@ class Load(NamedTuple):
     added_mass: Vector
 
     @staticmethod
-    def constant(force: Vector) -> Load:
+    def constant(force: Vector) -> DriveLoad:
         """Return a load with this force (n,) throughout."""
         zero = np.zeros(force.shape)
-        return Load(force, zero, zero, zero)
+        return DriveLoad(force, zero, zero, zero)
 
     @staticmethod
-    def through(start: Vector, mean: Vector, end: Vector) -> Load:
+    def through(start: Vector, mean: Vector, end: Vector) -> DriveLoad:
         """Return the parabola with these forces at both ends and this mean."""
         quadratic = 3.0 * (start + end) - 6.0 * mean
-        return Load(start, end - start - quadratic, quadratic, np.zeros(start.shape))
+        return DriveLoad(start, end - start - quadratic, quadratic, np.zeros(start.shape))
 
 
 class Sample(NamedTuple):
@@ -104,13 +104,13 @@ class Advance(NamedTuple):
 class DrivePartner(Protocol):
     """Partner that takes forces and gives motions."""
 
-    def step(self, t: float, h: float, load: Load) -> Status:
+    def step(self, t: float, h: float, load: DriveLoad) -> Status:
         """Advance from t to t + h [s]."""
 
     def position(self) -> Vector:
         """Places of the ends now, (n,) [m]."""
 
-    def motion(self, load: Load, s: float) -> InterfaceMotion:
+    def motion(self, load: DriveLoad, s: float) -> InterfaceMotion:
         """Motion now, with the accelerations under the load as it is at s."""
 
     def ends(self, motion: InterfaceMotion) -> tuple[EndMotion, EndMotion]:
@@ -214,14 +214,14 @@ class CoupledSystem:
             return response.status
         return Status(False, f"rope, step from t = {t:.6g} s: {response.status.message}")
 
-    def step(self, t: float, h: float, load: Load) -> Status:
+    def step(self, t: float, h: float, load: DriveLoad) -> Status:
         """Advance the drive under the load by one step, and the rope along the drive's motion."""
         status = self.step_drive(t, h, load)
         if not status.valid:
             return status
         return self.step_rope(t, h, self.drive.motion(load, 1.0))
 
-    def step_drive(self, t: float, h: float, load: Load) -> Status:
+    def step_drive(self, t: float, h: float, load: DriveLoad) -> Status:
         """Advance the drive alone from t to t + h [s]."""
         self._work_before = self.drive.work()
         self._position_before = self.drive.position()
@@ -269,10 +269,10 @@ class CoupledSystem:
         Before it everything counts as at rest.
         """
         force, mean = self.forces()
-        acceleration = self.drive.motion(Load.constant(force), 1.0).acceleration
+        acceleration = self.drive.motion(DriveLoad.constant(force), 1.0).acceleration
         return SchemeState((Sample(t, force, mean, acceleration),))
 
-    def exchanged(self, scheme_state: SchemeState, t: float, load: Load) -> SchemeState:
+    def exchanged(self, scheme_state: SchemeState, t: float, load: DriveLoad) -> SchemeState:
         """Return the state behind a step that ended at t [s], where `load` acts.
 
         Its residual grows by the drive's work less the rope's, which is the mean force times the
@@ -288,7 +288,7 @@ class CoupledSystem:
             residual=scheme_state.residual + residual,
         )
 
-    def exchange(self, scheme_state: SchemeState, t: float, h: float, load: Load) -> Advance:
+    def exchange(self, scheme_state: SchemeState, t: float, h: float, load: DriveLoad) -> Advance:
         """Do the step under a load, drive first, and return the new state."""
         status = self.step(t, h, load)
         if not status.valid:
