@@ -85,7 +85,7 @@ def test_a_source_that_a_page_names_is_there(path: Path) -> None:
 
 
 #: generated files that comments of C name, beside those of the engine
-GENERATED = ("drive_table.h", "numbers.h", "start.c", "structures.h", "variables.c")
+GENERATED = ("access.h", "drive_table.h", "numbers.h", "start.c", "structures.h", "variables.c")
 #: headers of the standard, whose comments name files of its earlier versions
 OFFICIAL = "fmu_src/shell/headers/"
 
