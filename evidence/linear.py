@@ -1,4 +1,4 @@
-"""Linear models of hoist and balance ropes against the nonlinear co-simulation: `python -m evidence.linear`.
+"""Linear models of hoist and ropes against the co-simulation: ``python -m evidence.linear``.
 
 A small torque pulse is given to the co-simulation, at rest or in the midst of a trip at constant speed, and to the
 linear model there. Ratios of Laplace transforms on Re s = SIGMA are compared up to 2 Hz, which is what shows within

@@ -3,9 +3,9 @@
 The standard is at ssp-standard.org.
 
 An output and an input of the same name in two different FMUs are connected.  So are two if one has
-the other's name behind the name of the other's component, such as the input `lively.left.fy_mean`
-and `left.fy_mean` of `lively`, or the output `lively.left.x` and its `left.x`, which then listens
-to no other.  Only the model descriptions of the FMUs are read.
+the other's name behind the name of the other's component, such as the input ``lively.left.fy_mean``
+and ``left.fy_mean`` of ``lively``, or the output ``lively.left.x`` and its ``left.x``, which then
+listens to no other.  Only the model descriptions of the FMUs are read.
 """
 
 import zipfile

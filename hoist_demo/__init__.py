@@ -18,8 +18,9 @@ Packages; tests/project/layers.toml lists what each may import:
     export           a hoist's drive and ropes as FMUs and as one system; it knows fmu_src, too
     command_line     the commands
 
-Signs. Heights and vertical forces are positive upwards; a positive travel, sheave angle and torque lift the left
-conveyance. Forces of the balance rope are those on the conveyance, so that a hanging rope has `fy` < 0. SI units.
+Signs. Heights and vertical forces are positive upwards; a positive travel, sheave angle and torque
+lift the left conveyance. Forces of the balance rope are those on the conveyance, so that a hanging
+rope has ``fy`` < 0. SI units.
 """
 
 from importlib.metadata import version

@@ -1,4 +1,4 @@
-"""Coverage of the intervals that `identify` states, and what `uncertain` makes of the catalogue's ranges (20 minutes).
+"""Coverage of the intervals that ``identify`` states, and spread by ``uncertain`` (20 minutes).
 
 Coverage: each of SETS ropes has properties drawn evenly from the middle 70 % of their ranges, is measured by PLAN with
 normal errors of its sigma, and looked for again.  Counted is how often the true value lies within the interval of 90 %

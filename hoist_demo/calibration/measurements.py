@@ -59,7 +59,7 @@ class RopeMeasurement(TomlTable):
 
     @property
     def title(self) -> str:
-        """Name of the measurement in results: `name`, else its signal or kind."""
+        """Name of the measurement in results: ``name``, else its signal or kind."""
         return self.name or str(getattr(self, "signal", self.what))
 
     @property
@@ -68,7 +68,7 @@ class RopeMeasurement(TomlTable):
         return self.UNIT or str(SIGNALS[getattr(self, "signal")].unit)  # noqa: B009 (not of all kinds)
 
     def predict(self, predictor: RopePredictor) -> Sequence[float]:
-        """Return the model's prediction of each value, in `unit`."""
+        """Return the model's prediction of each value, in ``unit``."""
         raise NotImplementedError
 
     def each(self, *names: str) -> list[tuple[float, ...]]:
@@ -245,7 +245,7 @@ class Track(InShaft):
 
 
 class Swept(Track):
-    """Range of an output between two times of a trip, from `t` on."""
+    """Range of an output between two times of a trip, from ``t`` on."""
 
     what: Literal["swept"] = "swept"  # type: ignore[assignment]
     values: Series[Annotated[float, Field(ge=0.0, allow_inf_nan=False)]] = Field(alias="value")

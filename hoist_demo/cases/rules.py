@@ -44,7 +44,7 @@ class RuleInputs:
     def torque(self, travelled: float = 0.0) -> float:
         """Return the torque at the sheave that accelerates the hoist [N m].
 
-        `travelled` is the way from a landing [m].
+        ``travelled`` is the way from a landing [m].
         """
         hoist = self.hoist
         coulomb, viscous = hoist.travel_loss

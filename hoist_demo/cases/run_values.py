@@ -48,7 +48,7 @@ def _values(content: Any) -> dict[str, ParameterValue]:
 
 
 _BOTH = {SWIVELS: (group_table(SWIVELS, value_type), Field(default=None))}
-#: a table with values of runs, by name; `from` names a rope's parameter file, which counts less
+#: a table with values of runs, by name; ``from`` names a rope's parameter file, which counts less
 ParameterValues = Annotated[
     dict[str, ParameterValue],
     flat(

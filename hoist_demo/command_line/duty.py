@@ -1,4 +1,4 @@
-"""The command `balance-rope duty`."""
+"""The command ``balance-rope duty``."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ interrupted.
 
 
 def add_duty(duty: argparse.ArgumentParser) -> None:
-    """Add description and options of the command `duty`."""
+    """Add description and options of the command ``duty``."""
     describe(duty, _duty_command, _DESCRIPTION, _EPILOG)
     duty.add_argument(
         "schedule",
@@ -128,7 +128,7 @@ def _duty_command(options: argparse.Namespace) -> int:
 def _wind_left(
     schedule: Schedule, ropes: Ropes, state: Path, interrupted: Callable[[], bool], counted: bool
 ) -> _WoundDuty:
-    """Wind the trips that are left, and save the state after each; `counted`: with exposure."""
+    """Wind the trips that are left, and save the state after each; ``counted``: with exposure."""
     from hoist_demo.duty.table import landing_warnings, place_at_rest, trip_row, trip_table
     from hoist_demo.duty.wind import read_state, wind_duty, write_state
     from hoist_demo.run.slip import slip_warnings
@@ -304,7 +304,7 @@ def _summary(
 def _write(trips: Recording, exposures: Mapping[str, Recording], out: Path) -> list[Path]:
     """Write the tables and the figure.
 
-    `exposures` has the table of each rope by the prefix of its names.
+    ``exposures`` has the table of each rope by the prefix of its names.
     """
     from hoist_demo.report.figures import write_duty_figure
 

@@ -1,4 +1,4 @@
-"""`balance-rope export`: the rope as an FMU, and a hoist as one system of FMUs."""
+"""``balance-rope export``: the rope as an FMU, and a hoist as one system of FMUs."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ NAMES = {(PYTHON, 2): "", (NATIVE, 2): NATIVE_ENDING, (NATIVE, 3): "_native_fmi3
 
 
 def add_export(export: argparse.ArgumentParser) -> None:
-    """Add description and options of the command `export`."""
+    """Add description and options of the command ``export``."""
     export.description = (
         "Export the balance rope as a co-simulation FMU. The native flavour (FMI 2.0 "
         "or 3.0), the default, is the complete model in self-contained C and needs nothing on the "
@@ -282,7 +282,7 @@ def _export_system(
 
 
 def _data(case: Case, name: str, set_values: Mapping[str, Any]) -> list[SystemNumber]:
-    """Return the hoist's data with their statuses; `set_values` replace those of its file."""
+    """Return the hoist's data with their statuses; ``set_values`` replace those of its file."""
     from hoist_demo.run.complete_file import hoist_provenance
     from hoist_demo.run.provenance import SETTING
 

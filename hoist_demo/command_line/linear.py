@@ -1,4 +1,4 @@
-"""The commands `balance-rope linearise` and `balance-rope modes`."""
+"""The commands ``balance-rope linearise`` and ``balance-rope modes``."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ docs/howto/control.md.
 
 
 def add_linearise(linearise: argparse.ArgumentParser) -> None:
-    """Add description and options of the command `linearise`."""
+    """Add description and options of the command ``linearise``."""
     _add(linearise, "linearise", _linearise, _LINEARISE)
     text = "of the left conveyance, upwards (%(default)s)"
     linearise.add_argument("--speed", type=float, default=0.0, metavar="M/S", help=text)
@@ -61,7 +61,7 @@ def add_linearise(linearise: argparse.ArgumentParser) -> None:
 
 
 def add_modes(modes: argparse.ArgumentParser) -> None:
-    """Add description and options of the command `modes`."""
+    """Add description and options of the command ``modes``."""
     _add(modes, "modes", _modes, _MODES)
     modes.add_argument(
         "--count",

@@ -1,4 +1,4 @@
-"""The command `balance-rope wind`, also called `demo`."""
+"""The command ``balance-rope wind``, also called ``demo``."""
 
 import argparse
 import sys
@@ -86,7 +86,7 @@ is written all the same), 2 wrong arguments, 130 interrupted (what is kept is sa
 
 
 def add_wind(wind: argparse.ArgumentParser) -> None:
-    """Add description and options of the command `wind`."""
+    """Add description and options of the command ``wind``."""
     describe(wind, _wind_command, _DESCRIPTION, _EPILOG)
     names = f"{', '.join(BUILTIN_HOISTS)} ({DEFAULT_HOIST}, or that of --resume)"
     text = f"hoist, trip, controller, ropes: a file, or one of {names}"
@@ -397,7 +397,7 @@ def _rope_in_fmu(
     run: RunData,
     overrides: Mapping[str, Value],
 ) -> Ropes:
-    """Return the hoist's rope in an FMU, which is asked whether it takes the values of `overrides`."""
+    """Return the hoist's rope in an FMU, which may refuse the values of ``overrides``."""
     if options.level:
         raise ValueError(
             f"--level {options.level} is for --in-process; an FMU has the level of its export: "

@@ -1,8 +1,8 @@
 """Advance of a trip in C, by trip.c, up to the next sample that the host in Python must process.
 
 It takes what most trips have: the scheme gauss-seidel-1, the speed controller, head ropes that hold
-on the sheave, a rope in a library, and a C compiler. All else goes on in `host.Host`, with the same
-bits.
+on the sheave, a rope in a library, and a C compiler. All else goes on in ``host.Host``, with the
+same bits.
 """
 
 import logging
@@ -57,7 +57,7 @@ class CompiledTrip:
     """The trip of a run in C; the rows of its samples and its state are the run's."""
 
     def __init__(self, plan: TripPlan, run: RunState, rope: RopeLibrary, max_samples: int) -> None:
-        """`max_samples` are those of one call."""
+        """``max_samples`` are those of one call."""
         hoist = plan.hoist
         coupling = plan.coupling
         start_height, _ = plan.start_heights
@@ -127,7 +127,7 @@ class CompiledTrip:
             return None
 
     def wind_samples(self, first: int, last: int) -> SampleReached:
-        """Wind the samples from `first` to before `last`, and the steps behind each."""
+        """Wind the samples from ``first`` to before ``last``, and the steps behind each."""
         run = self._run
         trip = self._trip
         if self._brake_stops():

@@ -38,7 +38,7 @@ class Sampling:
         return command
 
     def command_within_step(self, k: int, t: float, outputs: Vector) -> DriveCommand:
-        """Return the k-th command within a communication step, see `NextCommand`."""
+        """Return the k-th command within a communication step, see ``NextCommand``."""
         run = self._run
         # the step may be repeated, from the command before
         state = deepcopy(run.commands[k - 1].state)

@@ -65,13 +65,13 @@ def _hanging_forces(plan: TripPlan, read: interface.Reader) -> Vector:
 
 
 def _recorder(plan: TripPlan, names: list[str]) -> Recorder:
-    """Return a recorder of all signals; `names` are those of the rope that the drive lacks."""
+    """Return a recorder of all signals; ``names`` are those of the rope that the drive lacks."""
     units = plan.rope.units() | DRIVE_UNITS
     return Recorder([*ROW, *names], units, plan.sample_count + 1)
 
 
 def _readers(plan: TripPlan, names: list[str]) -> RopeReaders:
-    """Return readers of the rope's signals; `names` are those that are recorded."""
+    """Return readers of the rope's signals; ``names`` are those that are recorded."""
     return RopeReaders(
         signals=plan.rope.reader(names),
         side_forces=plan.rope.reader(SIDE_FORCES),

@@ -7,10 +7,11 @@ The speed loop is closed, and friction at the rim is viscous, as tanh is at rest
 so that neither a held sheave nor a free one is taken, but the sheave as the controller holds it. Of a trip of constant
 jerks a mode takes up its response to a torque over the square of its frequency.
 
-The poles are those of a small model as long as its own measured error is within the bounds of `reduction`. Where no
-number of states is enough, they are sought on the sparse model itself: from the highest peak of the swing on the
-imaginary axis by the secant method on 1 / swing(s), which converges to the poles that matter.
-Source: J. Rommes and N. Martins, IEEE Trans. Power Syst. 21, 2006 (dominant poles).
+The poles are those of a small model as long as its own measured error is within the bounds of
+``reduction``. Where no number of states is enough, they are sought on the sparse model itself: from
+the highest peak of the swing on the imaginary axis by the secant method on 1 / swing(s), which
+converges to the poles that matter. Source: J. Rommes and N. Martins, IEEE Trans. Power Syst. 21,
+2006 (dominant poles).
 """
 
 from dataclasses import dataclass
@@ -96,7 +97,7 @@ class SpeedLoop:
 
 
 def swing_at_arrival(case: Case, start: float) -> ArrivalSwing:
-    """Return the swing after a trip that begins with the left conveyance at height `start` [m].
+    """Return the swing after a trip that begins with the left conveyance at height ``start`` [m].
 
     ValueError where neither a small model nor the sparse one has such a swing.
     """

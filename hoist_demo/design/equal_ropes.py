@@ -37,7 +37,7 @@ def equal_ropes(names: Sequence[str], matrices: Sequence[sp.csc_matrix]) -> list
 def modes_of_fewer(
     K: sp.csc_matrix, M: sp.csc_matrix, groups: Sequence[Sequence[range]], solve: Eigensolver
 ) -> Eigenpairs:
-    """Return the modes that `solve` finds, with the modes of equal ropes from those of one of them."""
+    """Return the modes that ``solve`` finds; those of equal ropes follow from one of them."""
     merged = merged_coordinates(K.shape[0], groups)
     squares, shapes = solve((merged.T @ K @ merged).tocsc(), (merged.T @ M @ merged).tocsc())
     all_squares = [squares]

@@ -1,6 +1,6 @@
 """The hoist's part of the linear models: the derivative of Lagrange's equation in the drive.
 
-The equation is that of `drive/equations.py`. The coordinates are those of the drive, and behind
+The equation is that of ``drive/equations.py``. The coordinates are those of the drive, and behind
 them what lags: motor torque and brake. The hoist is left without what has no derivative: Coulomb
 friction, jams, slip on the lining, play between the guides. A sticking brake is a spring.
 """
@@ -67,7 +67,7 @@ def smooth_hoist(hoist: Hoist, held_by: HeldBy) -> Hoist:
 
 @dataclass(frozen=True)
 class LinearHoist:
-    """Linear model of the hoist: `coordinates` first, then `lags`. Matrices are dense, (coordinates + lags) square."""
+    """Linear model of the hoist: ``coordinates`` first, then ``lags``, in dense matrices."""
 
     coordinates: tuple[str, ...]
     lags: tuple[str, ...]
@@ -137,7 +137,7 @@ def _places(hoist: Hoist) -> _Places:
 
 
 class _Rows(NamedTuple):
-    """Rows of the values of `_derivatives`."""
+    """Rows of the values of ``_derivatives``."""
 
     lagrange: range
     tensions: range

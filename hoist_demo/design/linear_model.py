@@ -30,7 +30,7 @@ _DIRECTION = (1, 0, 2, 1, 0, 2, 3)  #: Of a node's coordinates, by PARTS behind 
 class UndampedModes:
     """Undamped modes: frequencies [Hz], damping ratios of the diagonal of D, shapes (coordinates, modes) of unit mass.
 
-    `shares` (PARTS, modes) are the parts of the kinetic energy.
+    ``shares`` (PARTS, modes) are the parts of the kinetic energy.
     """
 
     frequencies: Array
@@ -67,10 +67,10 @@ class _Finder:
 class LinearModel:
     """A model in its sparse second-order form, SI units.
 
-    Coordinates come in the order of `names`: free ones, those `held` whose accelerations are inputs, those that lag.
-    A rope's are "rope.NODE.k", k from 0 to 6 for r, r' and theta; of ropes that differ "rope.NAME.NODE.k", and their
-    outputs begin with their names. `rest_inputs` and `rest_outputs` are the values from
-    which u and y count; outputs that have none rest at 0.
+    Coordinates come in the order of ``names``: free ones, those ``held`` whose accelerations are
+    inputs, those that lag. A rope's are "rope.NODE.k", k from 0 to 6 for r, r' and theta; of ropes
+    that differ "rope.NAME.NODE.k", and their outputs begin with their names. ``rest_inputs`` and
+    ``rest_outputs`` are the values from which u and y count; outputs that have none rest at 0.
     """
 
     at: float  # height of the left conveyance over the travel
@@ -129,7 +129,7 @@ class LinearModel:
     def modes(self, highest: float, progress: BandProgress = lambda part: None) -> UndampedModes:
         """Return the modes up to a frequency [Hz], held coordinates at rest and without what lags.
 
-        `progress` hears which part of the band is done.
+        ``progress`` hears which part of the band is done.
         """
         n = self.free
         K, M = (0.5 * (A + A.T)[:n, :n].tocsc() for A in (self.stiffness, self.mass))

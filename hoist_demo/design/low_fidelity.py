@@ -6,10 +6,11 @@ conveyances,
 
     K = rho / 2 (leg_L v_L^2 + leg_R v_R^2) ,   V = rho g [ leg_L (y_L - leg_L / 2) + leg_R (y_R - leg_R / 2) ] ,
 
-so that their forces are F = -(M a + c) with the M and c of Lagrange's equation. The drive's accelerations are linear in
-the forces, a = a_0 + B F. The controller is that of `hoist_demo.control`, continuous in time, and the motor torque
-lags. Bending, waves and all lateral motion of the rope are left out; a trip that was designed here is verified on the
-complete rope.
+so that their forces are F = -(M a + c) with the M and c of Lagrange's equation. The drive's
+accelerations are linear in the forces, a = a_0 + B F. The controller is that of
+``hoist_demo.control``, continuous in time, and the motor torque lags. Bending, waves and all
+lateral motion of the rope are left out; a trip that was designed here is verified on the complete
+rope.
 
 State x = (s, v, a of the reference; p, y_L, y_R; p', v_L, v_R; torque / R; integral part), measured from the start at
 rest, with p = R phi at the sheave's rim; the heights' deviations are those from the start. The input is the

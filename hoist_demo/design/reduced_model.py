@@ -2,7 +2,7 @@
 
     X' = A X + B u ,     y = C X + D u .
 
-Cubic splines interpolate between heights. `reduction` makes such a model.
+Cubic splines interpolate between heights. ``reduction`` makes such a model.
 """
 
 import json
@@ -50,10 +50,11 @@ class StateSpace(NamedTuple):
 
 @dataclass(frozen=True)
 class ReducedModel:
-    """First-order models in one basis; `A` is (heights, states, states), and so are the others by heights.
+    """First-order models in one basis, by heights: ``A`` is (heights, states, states).
 
-    `decibels` and `degrees` are the measured errors (heights, outputs, inputs) against the sparse model between SLOWEST
-    and `band` Hz at s = ALPHA + i omega, `share` the largest difference over the channel's largest gain there.
+    ``decibels`` and ``degrees`` are the measured errors (heights, outputs, inputs) against the
+    sparse model between SLOWEST and ``band`` Hz at s = ALPHA + i omega, ``share`` the largest
+    difference over the channel's largest gain there.
     """
 
     at: tuple[float, ...]
@@ -85,7 +86,7 @@ class ReducedModel:
         )
 
     def response(self, height: int, s: Iterable[complex]) -> NDArray[np.complex128]:
-        """Transfer functions (len(s), outputs, inputs) at a height, by its place in `at`."""
+        """Transfer functions (len(s), outputs, inputs) at a height, by its place in ``at``."""
         return self._at(height).response(np.asarray(list(s)))
 
     def _at(self, height: int) -> StateSpace:

@@ -3,15 +3,15 @@
     X' = A X + B u ,     y = C X + D u .
 
 1. Motions. Of one height, modal truncation: kept are the modes that make up most of any channel
-   somewhere in the band. Of several heights the basis of `krylov_basis`, which chooses no modes:
+   somewhere in the band. Of several heights the basis of ``krylov_basis``, which chooses no modes:
    matrices are smooth between heights, also where modes of hoist and rope meet. Either model is
    stable as the sparse one is, and has what the drive feels; the loop moves in too many modes. Ends
    that are told to move take the rope along without vibration.
 2. Static correction: C and D are fitted to the sparse model, by least squares of the relative errors
    on s = alpha + i omega. They have what was left out and yields at once.
 
-`reduced_model` interpolates between heights. Heights are best dense at the ends of the trip, where
-head ropes are short.
+``reduced_model`` interpolates between heights. Heights are best dense at the ends of the trip,
+where head ropes are short.
 
 The error is measured: largest difference from the sparse model at s = alpha + i omega in the band. That is what shows
 within some 1/alpha: notches and peaks of sideways modes, narrower than that, are left out of small models.
@@ -49,7 +49,8 @@ def reduced(
     Parameters
     ----------
     models : sequence of LinearModel
-        Of `linearise`, in the order of their heights, with the inputs and outputs that count (`selected`).
+        Of ``linearise``, in the order of their heights, with the inputs and outputs that count
+        (``selected``).
     states : int, optional
         Largest number of states, or one more: a mode takes two, a lag one, an end that is moved two. Left out: the
         fewest with which every channel errs by at most MAX_DECIBELS and MAX_DEGREES at every height.
@@ -59,8 +60,8 @@ def reduced(
     Raises
     ------
     ValueError
-        If there are not so many states, or the models do not share their inputs and outputs; without `states`, if
-        MAX_STATES leave a larger error.
+        If there are not so many states, or the models do not share their inputs and outputs;
+        without ``states``, if MAX_STATES leave a larger error.
     """
     first = models[0]
     if any((m.inputs, m.outputs) != (first.inputs, first.outputs) for m in models):

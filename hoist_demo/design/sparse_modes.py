@@ -39,7 +39,7 @@ class _Shifted:
 def sparse_modes(
     K: sp.csc_matrix, M: sp.csc_matrix, highest: float, progress: BandProgress
 ) -> tuple[Array, Array]:
-    """Return eigenvalues up to `highest` [1/s^2] in ascending order and vectors (n, modes) of unit mass.
+    """Return ascending eigenvalues up to ``highest`` [1/s^2], and vectors (n, modes) of unit mass.
 
     Raises RuntimeError, with the band, where ARPACK does not find all that are there.
     """

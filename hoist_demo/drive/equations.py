@@ -9,10 +9,10 @@ With Lagrange's equation,
     K = 1/2 (m_s - m_m) (R phi')^2 + 1/2 m_m (R phi' + R delta')^2 + sum_i K_i ,
     V = 1/2 k delta^2 + sum_i V_i
 
-with K_i and V_i of either side from `legs.py`, and friction from `friction.py`. The ropes hold on the
-sheave, or slide on its lining: `sliding.py`. A row of Lagrange's equation holds a leg up to the
-sheave's top point, through which mu_r |w| kg/s flow: its load on the sheave is the tension less
-mu_r w^2 / 2, on both sides alike.
+with K_i and V_i of either side from ``legs.py``, and friction from ``friction.py``. The ropes hold
+on the sheave, or slide on its lining: ``sliding.py``. A row of Lagrange's equation holds a leg up
+to the sheave's top point, through which mu_r |w| kg/s flow: its load on the sheave is the tension
+less mu_r w^2 / 2, on both sides alike.
 """
 
 from collections.abc import Sequence
@@ -135,7 +135,7 @@ class _StateChange(NamedTuple):
 
 @cache
 def equations(structure: Hoist) -> HoistEquations:
-    """Return the equations of motion of all hoists of this `Hoist.equation_structure`."""
+    """Return the equations of motion of all hoists of this ``Hoist.equation_structure``."""
     symbols = _symbols(structure)
     parts = _parts(symbols)
     energies = _energies(parts)
@@ -255,7 +255,7 @@ def _sliding(symbols: _Symbols, lagrange: _Lagrange, legs: Sequence[Leg]) -> Sli
 
 
 def _state_change(symbols: _Symbols, parts: _Parts, sliding: Sliding) -> _StateChange:
-    """Return the state, in the order of `state_names`, and its rate."""
+    """Return the state, in the order of ``state_names``, and its rate."""
     q = symbols.coords.q
     v = symbols.coords.v
     a = sliding.accelerations
@@ -377,7 +377,7 @@ def _tension(
 ) -> Any:
     """Return the tension of a leg's head ropes at the sheave [N].
 
-    Lagrange's row of the leg is the moment of the tension there; `a` are the accelerations.
+    Lagrange's row of the leg is the moment of the tension there; ``a`` are the accelerations.
     """
     phi, rate = coords("phi")
     row = ca.gradient(leg.kinetic, rate)

@@ -1,6 +1,6 @@
 """The drive's equations, compiled where there is a C compiler, and their adaptive integration.
 
-`advance`, one text for all hoists with the same parts, does a step of a Runge-Kutta method of the
+``advance``, one text for all hoists with the same parts, does a step of a Runge-Kutta method of the
 length h (s counts from 0 to 1 over a communication step H)
 
     dx/ds = H rates(x, u(s)) ,   dW/ds = H powers(x, u(s)) ,
@@ -52,7 +52,7 @@ from rope_model.compiler import cache_folder
 Vector = NDArray[np.float64]
 EventFunction = Callable[
     [Vector], float
-]  #: Function of the result of `advance`; positive ends the steps.
+]  #: Function of the result of ``advance``; positive ends the steps.
 MIN_STEP = 1e-7  #: Step of the integrator [s] below which it gives up.
 SAFETY = 0.9  #: Factor on the step that the error allows.
 MIN_FACTOR = 0.5  #: Smallest factor from one step to the next.
@@ -133,7 +133,7 @@ def _sum(weights: Sequence[float], stages: Sequence[Any]) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class DriveKernels:
-    """CasADi functions of hoists with the same parts, and places in the vectors of `advance`."""
+    """CasADi functions of hoists with the same parts, and places in the vectors of ``advance``."""
 
     names: tuple[str, ...]  # names of the states
     argument_slices: dict[str, slice]
@@ -146,7 +146,7 @@ class DriveKernels:
 
 @cache
 def drive_kernels(structure: Hoist, form: KernelForm = "auto") -> DriveKernels:
-    """Return the kernels for all hoists of this `Hoist.equation_structure`."""
+    """Return the kernels for all hoists of this ``Hoist.equation_structure``."""
     eqs = equations(structure)
     names = state_names(structure)
     argument_slices = _slices(
@@ -180,12 +180,12 @@ def drive_kernels(structure: Hoist, form: KernelForm = "auto") -> DriveKernels:
 
 
 def _step_parameter_sizes(structure: Hoist) -> dict[str, int]:
-    """Return the sizes of the arguments of `advance` that are held over a communication step."""
+    """Return the sizes of the arguments of ``advance`` that are held over a communication step."""
     return {"H": 1, "path": PATH_SIZE, "added_mass": 2, "l0": 2, "p": len(structure.numbers)}
 
 
 def _advance(eqs: HoistEquations, argument_slices: dict[str, slice]) -> Any:
-    """Return `advance` as a CasADi function of one vector that gives one vector."""
+    """Return ``advance`` as a CasADi function of one vector that gives one vector."""
     n = argument_slices["x"].stop
     first_step_param = argument_slices["H"].start
     numbers = argument_slices["p"].stop - first_step_param
@@ -292,7 +292,7 @@ class Integrator:
         self.set_arguments(p=hoist.numbers)
 
     def set_arguments(self, **values: Any) -> None:
-        """Set arguments of `advance` by name: x, work_totals, s, h, H, path, added_mass, l0, p."""
+        """Set arguments of ``advance``: x, work_totals, s, h, H, path, added_mass, l0, p."""
         for name, value in values.items():
             self.arguments[name][...] = value
 
@@ -310,7 +310,7 @@ class Integrator:
     ) -> StepsEnd | None:
         """Integrate over a span of a communication step of h [s], or until an event.
 
-        The first step is `size` long, a part of h. Returns None where no step keeps to the
+        The first step is ``size`` long, a part of h. Returns None where no step keeps to the
         tolerance.
         """
         s, end = span
@@ -334,7 +334,7 @@ class Integrator:
         return None
 
     def evaluate(self, s: float, used: float = 0.0) -> Vector:
-        """Return the result of `advance` after a step of the size `used` from s, which may be 0."""
+        """Return the result of ``advance`` after a step of ``used`` from s, which may be 0."""
         self.set_arguments(s=s, h=used)
         self._advance.evaluate()
         if used > 0.0:
@@ -346,7 +346,7 @@ class Integrator:
     ) -> tuple[Vector, float]:
         """Return the result just behind an event within a step, and the size of the step to there.
 
-        `y` is the result of the whole step, of the size `used`.
+        ``y`` is the result of the whole step, of the size ``used``.
         """
         before = 0.0
         while (used - before) * h > EVENT_TOLERANCE:

@@ -1,8 +1,8 @@
 """The drive: motor, sheave, head ropes and two conveyances, integrated over one communication step.
 
-The equations are in `equations.py`. Without further parts of the hoist the state has seven numbers:
-motor torque, sheave angle and suspension heights with their rates. Shaft, head rope modes, play and
-brake append theirs. It is integrated by `integrator.py`.
+The equations are in ``equations.py``. Without further parts of the hoist the state has seven
+numbers: motor torque, sheave angle and suspension heights with their rates. Shaft, head rope modes,
+play and brake append theirs. It is integrated by ``integrator.py``.
 
 The head ropes of a hoist with a lining may slide on the sheave. Ropes of the mass mu_r per length
 and the speed w hold while (Euler and Eytelwein)
@@ -162,7 +162,7 @@ class HoistPlant:
     ) -> PlantStep:
         """Advance from s = begin to end of a step h [s].
 
-        `path` has u_0, u_1, u_2 of inputs u_0 + u_1 s + u_2 s^2.
+        ``path`` has u_0, u_1, u_2 of inputs u_0 + u_1 s + u_2 s^2.
         """
         old = state
         size = (state.step_next or h) / h

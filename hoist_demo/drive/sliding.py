@@ -1,6 +1,6 @@
 """Head ropes that slide on the lining of the sheave.
 
-`plant.py` finds when they slide over the wrap angle alpha, towards the side of the larger tension
+``plant.py`` finds when they slide over the wrap angle alpha, towards the side of the larger tension
 T_1 (Euler and Eytelwein),
 
     T_1 - mu_r w^2 = exp(mu alpha) (T_2 - mu_r w^2) ,
@@ -41,9 +41,9 @@ def sliding_friction(
     """Return the lining's force on head ropes that slide [N], and the accelerations under it.
 
     Its state is the sense of their sliding, 1 as the sheave's positive rotation or -1, which does
-    not change; the force is 0 where they hold. `a_stick` are the accelerations without it,
-    `a_per_force` those of 1 N along the slip, `tensions` follow from accelerations, `w` is the
-    ropes' speed.
+    not change; the force is 0 where they hold. ``a_stick`` are the accelerations without it,
+    ``a_per_force`` those of 1 N along the slip, ``tensions`` follow from accelerations, ``w`` is
+    the ropes' speed.
     """
     if hoist.lining is None:
         return Sliding(DryFriction(), a_stick)

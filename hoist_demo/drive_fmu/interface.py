@@ -41,7 +41,7 @@ _SHORTEST_PERIOD = 1e-4  #: Shortest sample time of the controller [s].
 _SMALLEST_GAIN = 1e-6  #: Smallest value of a gain that must be positive.
 MAX_ROPES = 8  #: Balance ropes that one drive takes.
 PERIOD = "controller.period"
-LONGEST_PERIOD = 0.1  #: Longest sample time of the controller [s], that of `Coupling.step`.
+LONGEST_PERIOD = 0.1  #: Longest sample time of the controller [s], that of ``Coupling.step``.
 #: Outputs of a drive without play that are inputs of a rope at a conveyance's centre, and their
 #: names in OUTPUTS.
 UPRIGHT = {f"{side}.{name}": f"{_UPRIGHT[name]}_{side}" for side, name in product(SIDES, _UPRIGHT)}
@@ -167,7 +167,7 @@ def drive_table(
 ) -> DriveTable:
     """Return the FMI variables.
 
-    `step` is the largest internal step, `period` the controller's [s].
+    ``step`` is the largest internal step, ``period`` the controller's [s].
     """
     rows = [_Row(variable) for variable in _parameters(case, step, period, ropes)]
     for k in range(MAX_ROPES):

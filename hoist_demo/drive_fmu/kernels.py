@@ -205,8 +205,8 @@ def moment_function() -> Any:
 def point_function() -> Any:
     """Return the function (offset, centre, yaw) -> MOVED of a point of a conveyance.
 
-    `offset` are x and z of the point, `centre` has MOVED of the centre, `yaw` the angle with its
-    rate and second derivative.
+    ``offset`` are x and z of the point, ``centre`` has MOVED of the centre, ``yaw`` the angle with
+    its rate and second derivative.
     """
     offset = ca.SX.sym("p", 2)
     centre = ca.SX.sym("c", len(MOVED))

@@ -117,7 +117,7 @@ class Schedule(RunFile):
         return values
 
     def ropes(self, outputs: Collection[str] | None = None) -> Ropes:
-        """Return the balance ropes, of which these `outputs` are recorded, as of `OneRope`."""
+        """Return the balance ropes, of which these ``outputs`` are recorded, as of ``OneRope``."""
         return ropes_of(
             find_case(self.header.hoist), self.pattern[0], self.fixed, self.level, outputs
         )
@@ -156,7 +156,7 @@ class Schedule(RunFile):
 
 
 def read_schedule(path: Path, repeat: int | None = None) -> Schedule:
-    """Return the schedule of a file; `repeat` replaces the file's.
+    """Return the schedule of a file; ``repeat`` replaces the file's.
 
     Raises FileError with all problems.
     """

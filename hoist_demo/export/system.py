@@ -55,7 +55,7 @@ class HoistFiles(NamedTuple):
 
 @dataclass(frozen=True)
 class RopeFmu:
-    """Choices of a rope's FMU; the defaults are those of `balance-rope export`."""
+    """Choices of a rope's FMU; the defaults are those of ``balance-rope export``."""
 
     flavour: str = NATIVE  # or PYTHON, FMI 2.0 alone
     fmi: int = 2

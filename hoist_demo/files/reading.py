@@ -61,7 +61,7 @@ EMPTY: Any = pydantic.Field(default={}, validate_default=True)
 
 @dataclass(frozen=True)
 class Flat:
-    """Annotation for pydantic: the key is a table of this model, and its value is `make` of it."""
+    """Annotation for pydantic: the key is a table of this model, its value ``make`` of it."""
 
     model: type[TomlTable]
     make: Callable[[Any], Any]
@@ -80,7 +80,7 @@ def table_of(
 ) -> type[TomlTable]:
     """Return the model of a table with these parameters, whose names may have more dots.
 
-    `leaf` gives their types.
+    ``leaf`` gives their types.
     """
     members_by_key: dict[str, list[FileParameter]] = {}
     for parameter in parameters:
@@ -128,7 +128,7 @@ def read(
 ) -> T:
     """Return a file's contents or raise FileError.
 
-    Files `opened` led to it, keys of `over` replace the file's.
+    Files ``opened`` led to it, keys of ``over`` replace the file's.
     """
     if path.resolve() in (one.resolve() for one in opened):
         raise FileError(path, ["must not lead back to itself: break the circle"])
@@ -284,7 +284,7 @@ def _located(key_path: str, text: str) -> str:
 def _key_path(loc: Sequence[int | str]) -> str:
     """Return the dotted path of a key.
 
-    Members of lists are counted from 1: `rope 2 left.swivel.mode`.
+    Members of lists are counted from 1: ``rope 2 left.swivel.mode``.
     """
     path = ""
     for part in loc:

@@ -65,7 +65,7 @@ def following_statuses(statuses: Mapping[str, str]) -> dict[str, str]:
 
 
 def _read_other(content: Any, info: ValidationInfo) -> KnownFile | None:
-    """Return the file that [rope] names by `from`."""
+    """Return the file that [rope] names by ``from``."""
     if not content:
         return None
     return read(path_from_file(info, read_text(content)), _OtherFile, reading_chain(info))
@@ -185,7 +185,7 @@ def _values_there(content: Any, info: ValidationInfo) -> dict[str, ParameterValu
     return read(path_from_file(info, read_text(content)), RopeFile, reading_chain(info)).values()
 
 
-#: the type of `from = "FILE"`: values of a rope's parameter file
+#: the type of ``from = "FILE"``: values of a rope's parameter file
 RopeValues = Annotated[
     dict[str, ParameterValue],
     BeforeValidator(_values_there),

@@ -76,7 +76,7 @@ Text = Annotated[
 class ParameterValue:
     """A value with its source.
 
-    `low` and `high` are how far it may be off, in the parameter's unit.
+    ``low`` and ``high`` are how far it may be off, in the parameter's unit.
     """
 
     value: Value
@@ -226,7 +226,7 @@ def _converted(parameter: FileParameter, number: str | float, unit: str) -> floa
 
 @cache
 def _factor(unit: str, to: str) -> Fraction | None:
-    """Return what one `unit` is in `to`.
+    """Return what one ``unit`` is in ``to``.
 
     None where they measure different things, or one is unknown.
     """

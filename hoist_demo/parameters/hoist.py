@@ -190,7 +190,7 @@ class Hoist(ValidatedData):
 
     @property
     def numbers(self) -> list[float]:
-        """Numbers that `equation_structure` leaves out, those of the components in their places."""
+        """Numbers that ``equation_structure`` leaves out, components' in their places."""
         return list(_numbers(self))
 
     @property
@@ -246,7 +246,7 @@ class Hoist(ValidatedData):
         return 2.0 * GRAVITY * (self.tail_mass - self.rope_mass)
 
     def imbalance(self, travelled: float = 0.0) -> float:
-        """Return the largest difference of both sides' weights [N], `travelled` m from a landing."""
+        """Return the sides' largest difference of weights [N], ``travelled`` m from a landing."""
         ropes = abs(self.imbalance_rate * (0.5 * self.shaft_travel - travelled))
         return GRAVITY * abs(self.mass_left - self.mass_right) + ropes
 
@@ -314,7 +314,7 @@ def _items(data: Any) -> list[tuple[str, Any]]:
 def hoist_with(hoist: Hoist, ropes: Sequence[tuple[float, float]]) -> Hoist:
     """Return the hoist with its balance ropes as one rope of their mass.
 
-    `ropes` has the mass per length [kg/m] and the length [m] of each.
+    ``ropes`` has the mass per length [kg/m] and the length [m] of each.
     """
     mass = sum_of(m for m, _ in ropes)
     length = sum_of(m * x for m, x in ropes) / mass

@@ -44,7 +44,7 @@ class RopePair:
 def nearest(times: Array, one: Array, other: Array, radii: float) -> NearestRopes:
     """Return the nearest approach of two ropes.
 
-    Their shapes are points (instants, points, 3) [m]; `radii` is the sum of their radii [m].
+    Their shapes are points (instants, points, 3) [m]; ``radii`` is the sum of their radii [m].
     """
     best = NearestRopes(np.inf, float(times[0]), (np.nan, np.nan, np.nan))
     for k, t in enumerate(times):

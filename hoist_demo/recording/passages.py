@@ -11,7 +11,7 @@ from rope_model import BODIES, FAR
 
 _DISSIPATED = "energy.dissipated_contact"
 
-#: Outputs of the rope from which `passages` follow.
+#: Outputs of the rope from which ``passages`` follow.
 PASSAGE_SIGNALS = frozenset(
     {
         "loop.crossings",
@@ -79,14 +79,14 @@ def passages(recording: Recording, rope: str = "the rope") -> str:
 
 
 def without_passages(warnings: Iterable[str]) -> list[str]:
-    """Return the rope's warnings but those that `passages` repeats in full."""
+    """Return the rope's warnings but those that ``passages`` repeats in full."""
     kept = list(warnings)
     for phrase in _PASSAGE_WARNINGS:
         kept = [text for text in kept if phrase not in text]
     return kept
 
 
-#: Phrases in warnings that have no cure, which `passages` says, too.
+#: Phrases in warnings that have no cure, which ``passages`` says, too.
 _PASSAGE_WARNINGS = ("the rope has struck", "the rope has passed into")
 
 

@@ -107,12 +107,12 @@ def build(
     nominal: Mapping[str, Value | ParameterValue] | None = None,
     start: float | None = None,
 ) -> RunData:
-    """Return the data of a run; a `ValueError` names what does not fit together.
+    """Return the data of a run; a ``ValueError`` names what does not fit together.
 
-    `values` count as if they stood in the hoist's file; `varied` differ between runs of one hoist,
-    and nothing follows from them: rules and the design of the trip take the `nominal` values in
-    their place, or else those of the file. `start` is the height of the left conveyance before the
-    trip [m]; None: at a landing.
+    ``values`` count as if they stood in the hoist's file; ``varied`` differ between runs of one
+    hoist, and nothing follows from them: rules and the design of the trip take the ``nominal``
+    values in their place, or else those of the file. ``start`` is the height of the left conveyance
+    before the trip [m]; None: at a landing.
     """
     hoist_case = case_with_values(find_case(case), values)
     varied = dict(varied or {})
@@ -156,7 +156,7 @@ def build_single_trip(
 ) -> RunData:
     """Return the data of a run of one trip, from a landing; ValueError also for a jam that it misses.
 
-    The arguments are those of `build`.
+    The arguments are those of ``build``.
     """
     run = build(case, values, signals, varied, nominal)
     require_jams_on_the_way(run.hoist, run.winding)

@@ -382,7 +382,7 @@ CheckProgress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
 
 
 def read_study(path: Path, fmu: Path | None = None, progress: CheckProgress = list) -> Study:
-    """Return the study of a file; `fmu` replaces the file's. Raises FileError with all problems."""
+    """Return a file's study; ``fmu`` replaces the file's. FileError lists all problems."""
     file = read(path, StudyFile)
     with errors_of_file(path):
         header = file.study

@@ -25,7 +25,7 @@ EXCESS = "excess"  #: Column with the largest excess over a bound, as a part of 
 WARNINGS = "warnings"  #: Column with a run's warnings.
 MISSING = "missing"  #: Column with the reason why a metric is missing.
 MAX_WARNINGS = 3  #: Most warnings in the text on the best choice.
-#: Carries out samples and returns their keys; `cluster.run_samples` with its first two arguments
+#: Carries out samples and returns their keys; ``cluster.run_samples`` with its first two arguments
 #: given.
 RunSamples = Callable[[Sequence[StudyRun]], list[str]]
 

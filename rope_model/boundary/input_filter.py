@@ -21,9 +21,9 @@ Inputs that a host does not give are estimated by fading-memory filters: E. Broo
 Kalman Filtering Made Easy, 1998, chapter 7.  A filter of n-th order with the bandwidth W lags
 behind an acceleration of the rate J by n J / W.
 
-This module holds an end's settings and state.  `input_sample` adds a sample of the host to the
-state, with `input_detectors` of grids and tables; `input_path` leads the end's path to it, and
-`input_misfit` sums the misfits that are left.
+This module holds an end's settings and state.  ``input_sample`` adds a sample of the host to the
+state, with ``input_detectors`` of grids and tables; ``input_path`` leads the end's path to it, and
+``input_misfit`` sums the misfits that are left.
 """
 
 from __future__ import annotations

@@ -82,7 +82,7 @@ Made = Callable[[Hoist, float], Controller]
 def wind(
     controller: Made, stop_at: float = math.inf, coupling: Coupling | None = None, **options: Any
 ) -> Result:
-    """A short trip with the draft rope, until `stop_at` [s]."""
+    """A short trip with the draft rope, until ``stop_at`` [s]."""
     host = Host(
         rope_in_process("rope-120", level="draft"), Hoist(), TRIP, coupling, controller=controller
     )

@@ -1,4 +1,4 @@
-"""What `balance-rope identify` finds of a rope from measurements, and how well it is known."""
+"""What ``balance-rope identify`` finds of a rope from measurements, and how well it is known."""
 
 import os
 import subprocess

@@ -20,7 +20,7 @@ COMMANDS = [
     DOCS / "reference" / "python.md",
     *sorted((DOCS / "tutorial").glob("*.md")),
 ]
-#: what `make demo` puts into .venv/bin, and what a shell has built in
+#: what ``make demo`` puts into .venv/bin, and what a shell has built in
 INSTALLED = ("balance-rope", "python")
 BUILTIN = ("source", "cd")
 LINK = re.compile(r"\]\((?!https?:)([^)\s]*)\)")

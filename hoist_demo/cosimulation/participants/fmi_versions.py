@@ -72,7 +72,7 @@ def _load(fmpy_class: Callable[..., Any], directory: Path, guid: str, identifier
 
 
 class Instance(ABC):
-    """Instance for co-simulation. After `close` each call but that one raises RuntimeError."""
+    """Instance for co-simulation. After ``close`` each call but that one raises RuntimeError."""
 
     _fmpy_class: Callable[..., Any]  #: FMPy's, of the version.
     _fmpy_module: Any
@@ -105,7 +105,7 @@ class Instance(ABC):
 
     @abstractmethod
     def _instantiate(self) -> None:
-        """Instantiate with all messages to `_log_message`, and set `_do_step`.
+        """Instantiate with all messages to ``_log_message``, and set ``_do_step``.
 
         A Python FMU sends messages only with logging on.
         """
@@ -236,7 +236,7 @@ class Instance(ABC):
         return self._state_of(self.fmpy.getFMUState())
 
     def restore(self, state: FmuState) -> None:
-        """Restore a state that `save` or `from_bytes` returned."""
+        """Restore a state that ``save`` or ``from_bytes`` returned."""
         self.fmpy.setFMUState(state.handle)
 
     def to_bytes(self, state: FmuState) -> bytes:

@@ -118,7 +118,7 @@ def _value(kind: str, text: str) -> Value:
 def unpacked(path: Path, changed: int, size: int) -> Path:
     """Return a folder with the files of an FMU, for this process and until it ends.
 
-    `changed` [ns] is when the FMU was changed last, `size` its number of bytes.
+    ``changed`` [ns] is when the FMU was changed last, ``size`` its number of bytes.
     """
     directory = Path(fmpy.extract(str(path), include=lambda file: not file.startswith(_NOT_TO_RUN)))
     atexit.register(shutil.rmtree, directory, ignore_errors=True)
@@ -187,7 +187,7 @@ def _parameter(name: str, variable: DescribedVariable, start: Value) -> FilePara
 
 
 def read_fmu(path: Path, hoist: str = "") -> Fmu:
-    """Model description of an FMU that this host can drive; `hoist` is that of its rope."""
+    """Model description of an FMU that this host can drive; ``hoist`` is that of its rope."""
     if not path.is_file():
         argument = f"{hoist} " if hoist else ""
         command = f"balance-rope export {argument}--native --platform host --out {path}"

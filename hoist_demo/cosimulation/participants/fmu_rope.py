@@ -2,7 +2,7 @@
 
 The FMU is a black box: variables are found by name in its model description. fmi_versions has the
 calls of FMI 2.0 and 3.0. The host computes t = start + k H; doStep(t, H) gets the end motions of t
-+ H (parameter `inputs_at_step_end` = true).
++ H (parameter ``inputs_at_step_end`` = true).
 """
 
 import hashlib
@@ -68,7 +68,7 @@ class FmuRope:
     ) -> None:
         """Load the FMU and set its parameters.
 
-        `recorded` outputs are read, by default all but the added masses.
+        ``recorded`` outputs are read, by default all but the added masses.
         """
         self._started = False
         self._warned: set[str] = set()  # warnings that were logged
@@ -316,7 +316,7 @@ class FmuRope:
             buffer.call()
 
     def _status(self) -> Status:
-        """Return the status by `status.valid` and `status.message`.
+        """Return the status by ``status.valid`` and ``status.message``.
 
         An FMU without them is valid.
         """

@@ -54,7 +54,7 @@ NextCommand = Callable[[int, float, Vector], DriveCommand]
 
 
 class HoistPartner:
-    """Hoist as a coupling's drive; `command` is to be called between steps."""
+    """Hoist as a coupling's drive; ``command`` is to be called between steps."""
 
     def __init__(
         self,
@@ -64,9 +64,9 @@ class HoistPartner:
         clock: Stopwatch,
         per_step: int = 1,
     ) -> None:
-        """`initial_input` acts at the start, in the order of INPUT_NAMES.
+        """``initial_input`` acts at the start, in the order of INPUT_NAMES.
 
-        `per_step` is the number of the controller's samples in a step.
+        ``per_step`` is the number of the controller's samples in a step.
         """
         self.plant = plant
         self.state = state

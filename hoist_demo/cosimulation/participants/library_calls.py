@@ -59,10 +59,10 @@ class Access(SharedStructure):
 def make_access(
     name: str, function: Any, rope: int, numbers: Array[Any], values: NDArray[Any]
 ) -> Access:
-    """Return the access to a C function, of the type of the function `name`.
+    """Return the access to a C function, of the type of the function ``name``.
 
-    `numbers` are references of the variables that the function gets or sets, each row of `values`
-    is room for all of them.
+    ``numbers`` are references of the variables that the function gets or sets, each row of
+    ``values`` is room for all of them.
     """
     access = Access(
         called_as=FUNCTIONS.index(name),

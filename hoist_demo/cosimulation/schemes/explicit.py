@@ -31,7 +31,7 @@ def extrapolation_coefficients(
 ) -> Coefficients:
     """Return c0, c1, c2 of c0 + c1 s + c2 s^2 over the next step of h [s], s = 0 .. 1.
 
-    `name` is the field of Sample that is extrapolated.
+    ``name`` is the field of Sample that is extrapolated.
     """
     latest = samples[-1]
     last: Vector = getattr(latest, name)
@@ -53,7 +53,7 @@ def extrapolation_coefficients(
 
 @dataclass(frozen=True)
 class Extrapolated:
-    """Base of the schemes that extrapolate to `order` 0, 1 or 2."""
+    """Base of the schemes that extrapolate to ``order`` 0, 1 or 2."""
 
     order: int
     needs_rollback: bool = False

@@ -90,7 +90,7 @@ class SchemeState(NamedTuple):
         return self.samples[-1]
 
     def with_taken_back(self, count: int = 1) -> SchemeState:
-        """Return the state with `count` more exchanges that were done and undone."""
+        """Return the state with ``count`` more exchanges that were done and undone."""
         return self._replace(exchanges=self.exchanges + count, taken_back=self.taken_back + count)
 
 
@@ -126,7 +126,7 @@ class DrivePartner(Protocol):
         """Return a snapshot of the present state."""
 
     def restore(self, snapshot: Any) -> None:
-        """Restore a snapshot of `save`."""
+        """Restore a snapshot of ``save``."""
 
 
 Reader = Callable[[], Vector]
@@ -135,7 +135,7 @@ Reader = Callable[[], Vector]
 class RopePlant(Protocol):
     """A balance rope between two moving ends, in an FMU or in this process.
 
-    Names of signals are those of the FMI interface, e.g. `left.fy` [N], the rope's force on the
+    Names of signals are those of the FMI interface, e.g. ``left.fy`` [N], the rope's force on the
     left conveyance.
     """
 
@@ -143,7 +143,7 @@ class RopePlant(Protocol):
         """Find the hanging shape at time t0 [s]; readers then give the forces at rest."""
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
-        """Advance from t to t + h [s]; `left` and `right` hold at t + h."""
+        """Advance from t to t + h [s]; ``left`` and ``right`` hold at t + h."""
 
     def units(self) -> dict[str, str]:
         """FMI unit of each signal of which a run makes a record, "1" or "" where it has none."""
@@ -165,7 +165,7 @@ class RopePlant(Protocol):
         """Serialize a snapshot for a file."""
 
     def from_bytes(self, data: bytes) -> Any:
-        """Deserialize the bytes of `to_bytes`, of any instance; ValueError if they do not fit."""
+        """Deserialize the bytes of ``to_bytes``, of any instance; ValueError if they do not fit."""
 
     def close(self) -> None:
         """Free what the rope holds; may be called more than once."""
@@ -191,7 +191,7 @@ class CoupledSystem:
     def __init__(
         self, drive: DrivePartner, rope: RopePlant, clock: Stopwatch | None = None
     ) -> None:
-        """`rope` hangs; `clock` counts the time that it takes."""
+        """``rope`` hangs; ``clock`` counts the time that it takes."""
         self.drive = drive
         self.rope = rope
         self._clock = clock or Stopwatch()
@@ -207,7 +207,7 @@ class CoupledSystem:
             return self.read_rope(t, self.rope.step(t, h, *self.drive.ends(motion)))
 
     def read_rope(self, t: float, status: Status) -> Status:
-        """Read the rope's forces behind its step from t [s]; `status` is that of the step."""
+        """Read the rope's forces behind its step from t [s]; ``status`` is that of the step."""
         response = read_response(status, self._read_forces)
         self._forces = response.forces
         if response.status.valid:
@@ -273,7 +273,7 @@ class CoupledSystem:
         return SchemeState((Sample(t, force, mean, acceleration),))
 
     def exchanged(self, scheme_state: SchemeState, t: float, load: DriveLoad) -> SchemeState:
-        """Return the state behind a step that ended at t [s], where `load` acts.
+        """Return the state behind a step that ended at t [s], where ``load`` acts.
 
         Its residual grows by the drive's work less the rope's, which is the mean force times the
         distance to the third order in h.
@@ -304,7 +304,7 @@ class RopeResponse(NamedTuple):
 
 
 def read_response(status: Status, read: Reader) -> RopeResponse:
-    """Read ROPE_FORCES behind a start or step that had `status`.
+    """Read ROPE_FORCES behind a start or step that had ``status``.
 
     It fails unless they are finite.
     """

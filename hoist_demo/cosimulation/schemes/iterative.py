@@ -102,7 +102,7 @@ class Secant:
 
 @dataclass(frozen=True)
 class Iterative:
-    """Repeats a step until no force changes by more than `tolerance` [N]."""
+    """Repeats a step until no force changes by more than ``tolerance`` [N]."""
 
     accelerator: AcceleratorName
     tolerance: float = 1.0  # N
@@ -156,7 +156,7 @@ class Iterative:
         return self._unknown(mean, force + linear + quadratic)
 
     def _load(self, start: Vector, x: Vector) -> DriveLoad:
-        """Return the load of the unknown forces x, in a step that begins with the force `start`."""
+        """Return the load of the unknown forces x in a step from the force ``start`` on."""
         if self.hold_mean:
             return DriveLoad.constant(x)
         mean, end = np.split(x, 2)
