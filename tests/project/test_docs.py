@@ -84,6 +84,26 @@ def test_a_source_that_a_page_names_is_there(path: Path) -> None:
     assert lost == []
 
 
+#: names of a source, as in "`a`, `b` and `FN(c)` of `folder/file.c`"
+_NAMES_OF_A_SOURCE = re.compile(
+    r"((?:`[\w.()]+`(?:, | and |, and )?)+) (?:of|in) `([\w./]+\.(?:py|c|h|inc))`"
+)
+
+
+@pytest.mark.parametrize("path", PAGES, ids=[str(path.relative_to(ROOT)) for path in PAGES])
+def test_a_name_that_a_page_finds_in_a_source_is_there(path: Path) -> None:
+    text = " ".join(path.read_text(encoding="utf-8").split())
+    lost = []
+    for names, source in _NAMES_OF_A_SOURCE.findall(text):
+        found = [one for one in source_paths() if one == source or one.endswith("/" + source)]
+        code = "".join((ROOT / one).read_text(encoding="utf-8") for one in found)
+        for name in re.findall(r"`([\w.()]+)`", names):
+            word = name.rpartition(".")[2]
+            if word not in code and re.sub(r"\(.*\)", "", word) not in code:
+                lost.append((name, source))
+    assert lost == []
+
+
 #: generated files that comments of C name, beside those of the engine
 GENERATED = ("access.h", "drive_table.h", "numbers.h", "start.c", "structures.h", "variables.c")
 #: headers of the standard, whose comments name files of its earlier versions
