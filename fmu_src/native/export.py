@@ -156,12 +156,8 @@ def export_model(
     platforms: Sequence[str] | None,
     fmi: int,
     model: FmuModel,
-    identifier: str | None = None,
 ) -> Path:
-    """Write the FMU of a model; ``platforms`` as for the rope.
-
-    ``identifier`` replaces the name as model identifier.
-    """
+    """Write the FMU of a model; ``platforms`` as for the rope."""
     start = start_values(model.variables, fmi)
     names = [v.name for v in model.described.values()]
     files = native_files(
@@ -180,7 +176,7 @@ def export_model(
         derivatives=False,
         events=False,
         initial=model.initial,
-        identifier=identifier or model.name,
+        identifier=model.name,
     )
     write_archive(destination, {**files, **model.attachments, **licenses()})
     return destination

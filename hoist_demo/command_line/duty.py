@@ -144,9 +144,7 @@ def _wind_left(
     if state.is_file():
         saved_rows, after = read_state(state, rope, schedule)
         rows = saved_rows[: schedule.count]
-        if counted != (station in rows[0]):
-            earlier = "without" if counted else "with"
-            raise ValueError(f"'{state}' was begun {earlier} --exposure: go on so")
+        _require_same_columns(state, station in rows[0], counted)
         print(f"{len(rows)} of {schedule.count} trips are there already")
     with progress_bar() as bar:
 
@@ -170,6 +168,13 @@ def _wind_left(
     if rows:
         trips = trip_table(rows, cycle)
     return _WoundDuty(trips, last, warnings)
+
+
+def _require_same_columns(state: Path, was_counted: bool, counted: bool) -> None:
+    """Raise ValueError if the trips that are there have the load history, and those left do not."""
+    if counted != was_counted:
+        earlier = "without" if counted else "with"
+        raise ValueError(f"'{state}' was begun {earlier} --exposure: go on so")
 
 
 def _exposure_columns(trip: WoundTrip, ropes: Sequence[RopeData]) -> dict[str, float]:

@@ -139,6 +139,18 @@ def _followed(bar: tqdm[NoReturn]) -> Callable[[float], None]:
     return move
 
 
+def _bar(title: str) -> tqdm[NoReturn]:
+    """Return a bar of progress on a terminal, from 0 to 1."""
+    return tqdm(
+        total=1.0,
+        desc=title,
+        bar_format=_BAR,
+        file=sys.stderr,
+        leave=False,
+        disable=None,
+    )
+
+
 def _modes(options: argparse.Namespace) -> int:
     """Write all modes of a hoist up to a frequency, and print those that the torque moves most."""
     import numpy as np
@@ -161,14 +173,7 @@ def _modes(options: argparse.Namespace) -> int:
     modes: list[UndampedModes] = []
     print("".join(f"{name:>18}" for name in head), flush=True)
     for model in models:
-        with tqdm(
-            total=1.0,
-            desc=f"at {model.at:g}",
-            bar_format=_BAR,
-            file=sys.stderr,
-            leave=False,
-            disable=None,
-        ) as bar:
+        with _bar(f"at {model.at:g}") as bar:
             of_model = model.modes(band, _followed(bar))
         modes.append(of_model)
         felt = modal_participation(model.selected(*_CHANNELS), of_model, band)
@@ -176,9 +181,10 @@ def _modes(options: argparse.Namespace) -> int:
         columns = (at, of_model.frequencies, of_model.damping, felt, of_model.shares.T)
         table = np.column_stack(columns)
         rows += table.tolist()
-        for j in np.sort(np.argsort(-felt)[: options.count]):
-            quantities = [f"{x:18.4g}" for x in table[j, : -len(PARTS)]]
-            shares = [f"{x:18.2f}" for x in table[j, -len(PARTS) :]]
+        most_felt = np.sort(np.argsort(-felt)[: options.count])
+        for row in table[most_felt].tolist():
+            quantities = [f"{x:18.4g}" for x in row[: -len(PARTS)]]
+            shares = [f"{x:18.2f}" for x in row[-len(PARTS) :]]
             print("".join([*quantities, *shares]), flush=True)
     with (
         whole_file(out / "modes.csv") as draft,

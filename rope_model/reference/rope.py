@@ -102,42 +102,46 @@ class ReferenceRope(BalanceRope):
     def advance_to(
         self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None
     ) -> Status:
-        scene = self._scene
         before = self.state
-        start = before.motion.t
-        if abs(t - start) < MIN_INTERVAL:
+        if abs(t - before.motion.t) < MIN_INTERVAL:
             return Status(True)
-        message = self._time_refused(t, t if given_at is None else given_at)
+        if given_at is None:
+            given_at = t
+        message = self._time_refused(t, given_at)
         if message is not None:
             return Status(False, message)
-        age = 0.0 if given_at is None else t - given_at
         paths = []
         for side, path, motion in zip(SIDES, before.paths, (left, right), strict=True):
             message = refusal(motion, side)
             if message is not None:
                 return Status(False, message)
-            following_path = onwards(path, t, motion, age)
-            message = too_rough(following_path, side, scene.inputs.acceleration_max)
+            following_path = onwards(path, t, motion, age=t - given_at)
+            message = too_rough(following_path, side, self._scene.inputs.acceleration_max)
             if message is not None:
                 return Status(False, message)
             paths.append(following_path)
-        state = replace(before, paths=(paths[0], paths[1]), events=())
+        after = self._advanced(replace(before, paths=(paths[0], paths[1]), events=()), t)
+        if isinstance(after, Failure):
+            return Status(False, failure_message(after))
+        self._state = after
+        return Status(True)
+
+    def _advanced(self, state: State, t: float) -> State | Failure:
+        """Return the state after the steps to ``t`` (s), with the mean forces on the way."""
+        start = state.motion.t
         impulse = np.zeros(2)
         for _ in range(MAX_STEPS):
-            after = step_towards(scene, state, t)
+            after = step_towards(self._scene, state, t)
             if isinstance(after, Failure):
-                return Status(False, failure_message(after))
+                return after
             h = after.motion.t - state.motion.t
             impulse -= 0.5 * h * (_pulls(state) + _pulls(after))
             state = after
             if state.motion.t >= t:
-                break
-        else:
-            what = f"the advance from {start:.6g} s to {t:.6g} s"
-            return Status(False, failure_message(Failure(Cause.STEPS, state.motion.t, what)))
-        mean = impulse / (t - start)
-        self._state = replace(state, force_mean=(float(mean[0]), float(mean[1])))
-        return Status(True)
+                left, right = (impulse / (t - start)).tolist()
+                return replace(state, force_mean=(left, right))
+        what = f"the advance from {start:.6g} s to {t:.6g} s"
+        return Failure(Cause.STEPS, state.motion.t, what)
 
     def _time_refused(self, t: float, given_at: float) -> str | None:
         """Return None if the rope can advance to ``t`` with motions of ``given_at`` (s); else the message."""

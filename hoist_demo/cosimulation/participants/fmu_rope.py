@@ -79,28 +79,12 @@ class FmuRope:
         self._described = fmu.parameters
         self._variables = fmu.by_name
         inputs = [self._variable(name) for name in _MOTIONS]
-        if missing := [name for name in ROPE_FORCES if name not in fmu.outputs]:
-            raise ValueError(
-                f"FMU '{path}' must have the outputs {', '.join(missing)}: export it anew"
-            )
-        for variable in (*inputs, *(self._variable(name) for name in ROPE_FORCES)):
-            if variable.kind != "Real":
-                raise ValueError(
-                    f"FMU '{path}' must have {variable.name} as a real number, not of the type "
-                    f"{variable.type}: export it anew"
-                )
+        self._require_interface(inputs, fmu.outputs)
         if recorded is None:
             recorded = fmu.outputs.keys() - {*ADDED_MASSES}
         self._units = {name: unit for name, unit in fmu.outputs.items() if name in recorded}
         self._chosen: dict[str, Value] = {"inputs_at_step_end": True, **(parameters or {})}
-        instance = VERSIONS[self._description.fmiVersion]
-        directory = unpacked(*version_of(self._path))
-        try:
-            self._fmu: Instance = instance(directory, self._description, self._log_message)
-        except RuntimeError as error:
-            raise ValueError(
-                f"the FMU must instantiate, but: {self._explanation(error)}: export it anew"
-            ) from error
+        self._fmu = self._instance()
         self._motions = self._buffers("Set", inputs, rows=1)
         self._motion_columns = [_columns(buffer, _MOTIONS) for buffer in self._motions]
         valid = self._variables.get("status.valid")
@@ -113,6 +97,32 @@ class FmuRope:
         except BaseException:
             self.close()
             raise
+
+    def _require_interface(
+        self, inputs: Sequence[DescribedVariable], outputs: Collection[str]
+    ) -> None:
+        """Raise ValueError unless the FMU has all motions and forces as real numbers."""
+        if missing := [name for name in ROPE_FORCES if name not in outputs]:
+            raise ValueError(
+                f"FMU '{self._path}' must have the outputs {', '.join(missing)}: export it anew"
+            )
+        for variable in (*inputs, *(self._variable(name) for name in ROPE_FORCES)):
+            if variable.kind != "Real":
+                raise ValueError(
+                    f"FMU '{self._path}' must have {variable.name} as a real number, not of the "
+                    f"type {variable.type}: export it anew"
+                )
+
+    def _instance(self) -> Instance:
+        """Return a new instance of the FMU; ValueError if it cannot be made."""
+        kind = VERSIONS[self._description.fmiVersion]
+        directory = unpacked(*version_of(self._path))
+        try:
+            return kind(directory, self._description, self._log_message)
+        except RuntimeError as error:
+            raise ValueError(
+                f"the FMU must instantiate, but: {self._explanation(error)}: export it anew"
+            ) from error
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
         """Set-up, initialization mode with the ends' start motion, and the first status."""
