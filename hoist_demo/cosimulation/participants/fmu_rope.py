@@ -28,6 +28,7 @@ from hoist_demo.cosimulation.participants.fmu_description import (
     DOUBLES,
     NUMBERS,
     DescribedVariable,
+    FileVersion,
     read_fmu,
     unpacked,
     version_of,
@@ -116,7 +117,7 @@ class FmuRope:
     def _instance(self) -> Instance:
         """Return a new instance of the FMU; ValueError if it cannot be made."""
         kind = VERSIONS[self._description.fmiVersion]
-        directory = unpacked(*version_of(self._path))
+        directory = unpacked(version_of(self._path))
         try:
             return kind(directory, self._description, self._log_message)
         except RuntimeError as error:
@@ -237,7 +238,7 @@ class FmuRope:
         description = self._description
         model = {
             "FMU": self._path.name,
-            "SHA-256": _digest(*version_of(self._path)),
+            "SHA-256": _digest(version_of(self._path)),
             "model and version": f"{description.modelName} {description.version or ''}".strip(),
             "exported by": str(description.generationTool or "not said"),
             "FMI version": str(description.fmiVersion),
@@ -404,9 +405,9 @@ def _is_double(variable: DescribedVariable) -> bool:
 
 
 @lru_cache(maxsize=8)  # a study winds with the same file in every run
-def _digest(path: Path, changed: int, size: int) -> str:
+def _digest(version: FileVersion) -> str:
     """SHA-256 of a file in one version."""
-    with path.open("rb") as file:
+    with version.path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
