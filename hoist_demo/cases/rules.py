@@ -4,7 +4,7 @@ And values that no hoist has.
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -163,7 +163,7 @@ def _with_lengths(
 
 
 def _require_totals_fit(
-    host: Mapping[str, ParameterValue], ropes: Sequence[BalanceRopeData]
+    host: Mapping[str, ParameterValue], ropes: tuple[BalanceRopeData, ...]
 ) -> Hoist:
     """Return a hoist with the sums of the ropes; ValueError where the host states others."""
     drive = rope_totals(ropes)
