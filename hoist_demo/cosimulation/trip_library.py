@@ -20,7 +20,13 @@ from hoist_demo.cosimulation.participants.fmi_versions import DISCARD, WARNING
 from hoist_demo.cosimulation.participants.library_calls import CALLS, FUNCTIONS, Access
 from hoist_demo.cosimulation.schemes.interface import HISTORY
 from hoist_demo.drive import integrator, plant
-from hoist_demo.drive.coordinates import FORCES, INPUT_NAMES, STATE_NAMES, WORK_NAMES
+from hoist_demo.drive.coordinates import (
+    FORCES,
+    INPUT_NAMES,
+    STATE_NAMES,
+    TORQUE_COMMAND,
+    WORK_NAMES,
+)
 from hoist_demo.drive.kernels import generate_c
 from hoist_demo.drive.outputs import OUTPUT_INDEX, OUTPUTS
 from hoist_demo.parameters import Hoist
@@ -77,7 +83,7 @@ _NUMBERS: dict[str, float] = {
     "WARNING": WARNING,
     "DISCARD": DISCARD,
     "INPUTS": len(INPUT_NAMES),
-    "TORQUE": INPUT_NAMES.index("torque_command"),
+    "TORQUE": TORQUE_COMMAND,
     "FORCE": FORCES[0],
     "SIDES": SIDE_INPUTS.start,
     "PHI": STATE_NAMES.index("phi"),

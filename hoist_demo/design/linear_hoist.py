@@ -19,6 +19,8 @@ from hoist_demo.drive.coordinates import (
     FORCES,
     INPUT_NAMES,
     STATE_NAMES,
+    TORQUE,
+    TORQUE_COMMAND,
     extra_coordinates,
     state_names,
 )
@@ -47,8 +49,6 @@ _WITHIN_LIMITS = 0.5
 _DEFLECTION = "brake_deflection"
 _RELEASED = 1.0  #: Command of the brake at rest.
 _LOADS = ("torque", "force_left", "force_right")  #: Inputs that act on coordinates.
-_TORQUE = STATE_NAMES.index("torque")
-_COMMAND = INPUT_NAMES.index("torque_command")
 _ANGLE = 0  #: Row of Lagrange's equation of phi.
 
 
@@ -157,7 +157,7 @@ def _held_by_brake(hoist: Hoist, x: Array) -> Array:
     """Return the state in which the brake holds instead of the motor; ValueError if it cannot."""
     brake = hoist.brake
     assert brake is not None
-    torque = float(x[_TORQUE])
+    torque = float(x[TORQUE])
     if abs(torque) > brake.torque:
         raise ValueError(
             f"the imbalance of {abs(torque):.6g} N m must be within brake.torque = {brake.torque:g} N m: "
@@ -165,7 +165,7 @@ def _held_by_brake(hoist: Hoist, x: Array) -> Array:
         )
     names = list(state_names(hoist))
     x = x.copy()
-    x[_TORQUE] = 0.0
+    x[TORQUE] = 0.0
     x[names.index("brake_pressure")] = 1.0
     x[names.index(_DEFLECTION)] = -torque / brake.torque * brake.travel
     if hoist.drive_shaft is not None:
@@ -191,7 +191,7 @@ def _working_point(
     u = np.zeros(len(INPUT_NAMES))
     u[INPUT_NAMES.index("brake")] = _WITHIN_LIMITS
     u[list(FORCES)] = forces
-    u[_COMMAND] = x[_TORQUE]
+    u[TORQUE_COMMAND] = x[TORQUE]
     places = _places(hoist)
     x[STATE_NAMES.index("phi_rate")] = speed / hoist.sheave_radius
     x[STATE_NAMES.index("v_left")] = speed
@@ -202,8 +202,8 @@ def _working_point(
         by_x, _, _, values = map(
             np.array, derivatives(x, still, u, state.free_lengths, hoist.numbers)
         )
-        x[_TORQUE] -= values[_ANGLE, 0] / by_x[_ANGLE, _TORQUE]
-        u[_COMMAND] = x[_TORQUE]
+        x[TORQUE] -= values[_ANGLE, 0] / by_x[_ANGLE, TORQUE]
+        u[TORQUE_COMMAND] = x[TORQUE]
     by_x, by_a, by_u, values = map(
         np.array, derivatives(x, still, u, state.free_lengths, hoist.numbers)
     )
@@ -222,7 +222,7 @@ def linear_hoist(
     places = _places(hoist)
     rows = _rows(hoist)
     commands = ["torque_command"]
-    rest_commands = [point.x[_TORQUE]]
+    rest_commands = [point.x[TORQUE]]
     if held_by == "brake":
         commands.append("brake")
         rest_commands.append(_RELEASED)
@@ -280,7 +280,7 @@ def _input_matrix(
     for column, name in enumerate(inputs):
         if name in INPUT_NAMES and name not in _LOADS:
             B[n:, column] = point.by_u[late, INPUT_NAMES.index(name)]
-    B[:n, inputs.index("torque")] = -point.by_x[rows.lagrange, _TORQUE]
+    B[:n, inputs.index("torque")] = -point.by_x[rows.lagrange, TORQUE]
     B[places.names.index("y_left"), inputs.index("force_left")] = 1.0
     B[places.names.index("y_right"), inputs.index("force_right")] = 1.0
     return B

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.control.controller import Gains, SpeedController
-from hoist_demo.drive.coordinates import FORCES, INPUT_NAMES, STATE_NAMES
+from hoist_demo.drive.coordinates import FORCES, INPUT_NAMES, STATE_NAMES, TORQUE
 from hoist_demo.drive.equations import equations
 from hoist_demo.drive.plant import HoistPlant, PlantState
 from hoist_demo.parameters import GRAVITY, Hoist
@@ -75,7 +75,7 @@ def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> L
     R = hoist.sheave_radius
     weights = [-GRAVITY * hoist.tail_rope_mass * leg for leg in _legs(hoist, y_left, y_right)]
     rest = plant.hanging_state(y_left, y_right, *weights)
-    held = float(rest.x[0]) / R
+    held = float(rest.x[TORQUE]) / R
 
     # the controller; forces at the rim
     reference = ca.SX.sym("r", 3)

@@ -21,6 +21,9 @@ INPUT_NAMES = (
 )
 WORK_NAMES = ("motor", "losses", "ropes", "left", "right")
 LOSS_NAMES = ("rim", "guides", "brake", "shaft", "lining")  #: The parts of the losses.
+TORQUE = STATE_NAMES.index("torque")  #: Place of the motor's torque in a state.
+#: Place of the controller's command in an input.
+TORQUE_COMMAND = INPUT_NAMES.index("torque_command")
 #: Places of the two vertical forces in an input.
 FORCES = tuple(INPUT_NAMES.index(f"force_{side}") for side in SIDES)
 #: Places of the two vertical accelerations in the rates.

@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hoist_demo.drive.coordinates import INPUT_NAMES, STATE_NAMES
+from hoist_demo.drive.coordinates import INPUT_NAMES, STATE_NAMES, TORQUE
 from hoist_demo.drive.integrator import (
     MIN_STEP,
     WORK_COUNT,
@@ -126,9 +126,9 @@ class HoistPlant:
         Raises ValueError if the motor cannot hold it.
         """
         state = self.hanging_state(y_left, y_right, force_left, force_right)
-        if not abs(state.x[0]) <= self.hoist.torque_limit:
+        if not abs(state.x[TORQUE]) <= self.hoist.torque_limit:
             raise ValueError(
-                f"holding torque = {state.x[0]:.6g} N m must be within torque_limit = "
+                f"holding torque = {state.x[TORQUE]:.6g} N m must be within torque_limit = "
                 f"{self.hoist.torque_limit:g} N m: lighten the payload, balance the ropes "
                 "or take a stronger motor"
             )
@@ -146,9 +146,9 @@ class HoistPlant:
         x = np.zeros(len(self.state_names))
         for name, value in hanging_places(self.hoist, heights, lengths).items():
             x[self.state_names.index(name)] = value
-        x[0] = self.stick_integrator.holding_torque(x, lengths)
+        x[TORQUE] = self.stick_integrator.holding_torque(x, lengths)
         if self.hoist.drive_shaft is not None:
-            x[self.state_names.index("twist")] = x[0] / self.hoist.drive_shaft.stiffness
+            x[self.state_names.index("twist")] = x[TORQUE] / self.hoist.drive_shaft.stiffness
         return PlantState(x, np.zeros(WORK_COUNT), lengths)
 
     def advance(

@@ -74,13 +74,6 @@ _STATUS: tuple[tuple[str, Literal["Boolean", "String"], str], ...] = (
     ("message", "String", "cause and cure of a failure; else empty"),
     ("warning", "String", "warnings about valid results; else empty"),
 )
-#: description of a gain; Gains has the units
-_GAINS = {
-    "speed": "gain of the speed loop [assumed]",
-    "integral_time": "integral time of the speed loop [assumed]",
-    "position": "gain of the position loop [assumed]",
-    "feed_forward": "share of the feed-forward that is used, 0 to 1",
-}
 _CONTROL = {
     "reference.position": ("m", "travel of the left conveyance that is asked for"),
     "reference.speed": ("m/s", "its rate"),
@@ -285,7 +278,7 @@ def _parameters(
             kind="Real",
             unit=p.unit,
             start=getattr(case.gains, p.name),
-            description=_GAINS[p.name],
+            description=f"{p.meaning} [assumed]",
             minimum=_SMALLEST_GAIN if p.bounds.opens else p.bounds.lower,
             maximum=_LARGEST if p.bounds.upper is None else p.bounds.upper,
         )
