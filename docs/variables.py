@@ -8,7 +8,7 @@ from fmu_src.documentation import COMPUTED_BY, HEADS, TEXT, TITLES, rows
 from fmu_src.interface import variables
 from fmu_src.profile import ALWAYS, DEFAULT, OUTPUT_GROUPS, output_group
 from rope_model.cases import rope_120
-from rope_model.reference.outputs import NAMES
+from rope_model.reference.outputs import COMPUTED_NAMES
 from rope_model.signals.signal_table import SIGNALS
 
 #: differing parts of names and descriptions of rows that share a line, and the words for both
@@ -72,8 +72,8 @@ def interface_page() -> str:
 def in_python(group: str) -> str:
     """Return the outputs of a group that the Python flavour has, in words."""
     outputs = [name for name in SIGNALS if output_group(name) == group]
-    has = dict.fromkeys(_short(name) for name in outputs if name in NAMES)
-    lacks = dict.fromkeys(_short(name) for name in outputs if name not in NAMES)
+    has = dict.fromkeys(_short(name) for name in outputs if name in COMPUTED_NAMES)
+    lacks = dict.fromkeys(_short(name) for name in outputs if name not in COMPUTED_NAMES)
     if not lacks:
         return "all"
     if not has:

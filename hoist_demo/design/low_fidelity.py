@@ -22,15 +22,14 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from hoist_demo.control.controller import Gains, SpeedController
 from hoist_demo.drive.coordinates import FORCES, INPUT_NAMES, STATE_NAMES, TORQUE
 from hoist_demo.drive.equations import equations
 from hoist_demo.drive.plant import HoistPlant, PlantState
 from hoist_demo.parameters import GRAVITY, Hoist
+from rope_model.arrays import Array
 
-Vector = NDArray[np.float64]
 #: Names of the states, in their order.
 STATES = (
     "s",
@@ -62,7 +61,7 @@ class LowFidelityModel:
     rates: Any  # ca.Function (x, jerk) -> x'
     # ca.Function (s, v, a of the reference) -> force at the rim of a full feed-forward [N]
     feed_forward: Any
-    start: Vector  # by STATES
+    start: Array  # by STATES
 
 
 def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> LowFidelityModel:

@@ -29,7 +29,7 @@ from rope_model import EndMotion
 from rope_model.parameter_table import parameters_of
 from rope_model.scene_names import Variable
 
-INPUTS = tuple(f"{side}.fy_mean" for side in SIDES)
+FORCE_INPUTS = tuple(f"{side}.fy_mean" for side in SIDES)
 START_PULLS = tuple(f"{side}.fy_start" for side in SIDES)
 #: Vertical inputs of a rope's end, and their names in OUTPUTS without the side.
 _UPRIGHT = {"y": "y", "vy": "v", "ay": "a"}
@@ -106,8 +106,8 @@ class DriveRope(NamedTuple):
 def force_inputs(ropes: Sequence[DriveRope]) -> tuple[str, ...]:
     """Names of the vertical forces: left and right, of each rope where there are several."""
     if not ropes:
-        return INPUTS
-    return tuple(f"{rope.name}.{force}" for rope, force in product(ropes, INPUTS))
+        return FORCE_INPUTS
+    return tuple(f"{rope.name}.{force}" for rope, force in product(ropes, FORCE_INPUTS))
 
 
 def weight_dependencies(ropes: Sequence[DriveRope]) -> dict[str, tuple[str, ...]]:
@@ -186,12 +186,12 @@ def _force_rows(case: Case, ropes: Sequence[DriveRope], k: int) -> Iterator[_Row
     prefix = ""
     if k > 0:
         prefix = f"rope[{k + 1}]."
-    pulls = dict(zip(INPUTS, rest_forces(case, rope), strict=True))
-    for name in (*INPUTS, *SIDE_FORCES):
+    pulls = dict(zip(FORCE_INPUTS, rest_forces(case, rope), strict=True))
+    for name in (*FORCE_INPUTS, *SIDE_FORCES):
         unit, text = _texts(_FORCES, name)
         row = _Row(
             Variable(f"{prefix}{name}", "input", "continuous", "Real", unit, 0.0, text),
-            exists=exists and (name in INPUTS or case.hoist.play is not None),
+            exists=exists and (name in FORCE_INPUTS or case.hoist.play is not None),
         )
         if row.exists:
             row = row._replace(

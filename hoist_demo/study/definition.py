@@ -50,7 +50,7 @@ from hoist_demo.study.objective import Constraint, Judge, Objective, constraints
 from hoist_demo.study.sampling import Range, grid, latin_hypercube, varied
 
 #: Disturbances over which a study without variants compares its choices.
-LOADS = ("hoist.payload_left", "hoist.payload_right")
+LOAD_KEYS = ("hoist.payload_left", "hoist.payload_right")
 #: Points and steps of a search where its file states none, for each of its ranges.
 POINTS_PER_RANGE = 4
 STEPS_PER_RANGE = 8
@@ -277,7 +277,7 @@ class StudyFile(File):
         if over is None and len(self.variant) > 1:
             over = list(self.vary)
         elif over is None:
-            over = [key for key in self.vary if key in LOADS]
+            over = [key for key in self.vary if key in LOAD_KEYS]
         for key in {*over} - {*self.vary}:
             raise ValueError(f"over = {key!r} must be varied: name keys of [vary]")
         design_keys = tuple(key for key in self.vary if key not in over)

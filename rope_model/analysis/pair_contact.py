@@ -19,7 +19,7 @@ from rope_model.physics import hermite, rope_contact
 from rope_model.physics.centreline import enclosing_box
 
 #: number of points in a group, which is first checked by its middle
-GROUP = 16
+POINTS_IN_GROUP = 16
 
 Numbers = np.ndarray[Any, np.dtype[np.int64]]
 
@@ -163,15 +163,17 @@ class Pair:
         # numbers of the points on each of my elements, in groups; far groups are left out by their
         # middles
         first = np.ceil(one.s / self._spacing - 0.5).astype(np.int64)
-        groups, start = _expanded(-(-np.diff(first)[mine] // GROUP))
-        start = first[mine[groups]] + GROUP * start
-        stop = np.minimum(start + GROUP, first[mine[groups] + 1])
+        groups, start = _expanded(-(-np.diff(first)[mine] // POINTS_IN_GROUP))
+        start = first[mine[groups]] + POINTS_IN_GROUP * start
+        stop = np.minimum(start + POINTS_IN_GROUP, first[mine[groups] + 1])
         middle: Any = 0.5 * (start + stop) * self._spacing
         theirs = theirs[groups]
         ends = _ends(other, theirs)
         l = other.lengths[theirs]
         probed = rope_contact.PROBES[1] - rope_contact.PROBES[0]
-        reach = self.diameter + rope_contact.STRETCH * (GROUP * self._spacing + 0.5 * probed * l)
+        reach = self.diameter + rope_contact.STRETCH * (
+            POINTS_IN_GROUP * self._spacing + 0.5 * probed * l
+        )
         near = _probed(ends, l, one.positions(middle)).min(axis=0) < reach
         groups, number = _expanded((stop - start)[near])
         number = start[near][groups] + number

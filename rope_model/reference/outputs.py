@@ -204,4 +204,4 @@ def values_function(name: str) -> ValuesFunction | None:
 
 
 #: names of all outputs, in the order of the signal table
-NAMES = tuple(name for name in SIGNALS if values_function(name))
+COMPUTED_NAMES = tuple(name for name in SIGNALS if values_function(name))

@@ -24,7 +24,7 @@ from rope_model.reference.equations import HEIGHT
 from rope_model.reference.hanging import hang
 from rope_model.reference.mesh import mesh_of, require_mesh_of
 from rope_model.reference.newton import Cause, Failure
-from rope_model.reference.outputs import NAMES, values_function
+from rope_model.reference.outputs import COMPUTED_NAMES, values_function
 from rope_model.reference.result_warnings import warnings_of
 from rope_model.reference.scope import require_published
 from rope_model.reference.state import State, require_finite
@@ -157,7 +157,7 @@ class ReferenceRope(BalanceRope):
         return None
 
     def signals(self, names: Iterable[str] | None = None) -> dict[str, float]:
-        wanted = NAMES if names is None else checked_names(names)
+        wanted = COMPUTED_NAMES if names is None else checked_names(names)
         values: dict[str, float] = {}
         for name in wanted:
             group = values_function(name)

@@ -26,8 +26,8 @@ from hoist_demo.design import (
 )
 from hoist_demo.design import linearise as linearise_module
 from hoist_demo.design.arrival_swing import (
-    INPUTS,
-    OUTPUTS,
+    SWING_INPUTS,
+    SWING_OUTPUTS,
     SpeedLoop,
     pole_of_sparse,
     swing_at_arrival,
@@ -259,7 +259,7 @@ def test_an_arrival_swings_as_the_complete_model(hoist: str, at: float) -> None:
     case = replace(case, winding=replace(case.winding, travel=at * case.hoist.shaft_travel))
     swing = swing_at_arrival(case, 0.0)
     (model,) = linearise(case, [at])
-    exact = pole_of_sparse(model.selected(INPUTS, OUTPUTS), SpeedLoop.of(case))
+    exact = pole_of_sparse(model.selected(SWING_INPUTS, SWING_OUTPUTS), SpeedLoop.of(case))
     assert exact is not None
     # a small model errs by 6 % in gain at most, and by less in a pole
     assert swing.frequency == pytest.approx(exact.imag / (2 * np.pi), rel=0.01)

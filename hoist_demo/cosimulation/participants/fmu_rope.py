@@ -54,8 +54,8 @@ from hoist_demo.recording.fidelity import FIDELITY
 from rope_model import SIDES, EndMotion, Status
 
 _log = logging.getLogger(__name__)
-INPUTS = tuple(field.name for field in fields(EndMotion))  #: Names of an end's inputs.
-_MOTIONS = end_signals(*INPUTS)  #: Inputs of both ends, left then right.
+END_INPUTS = tuple(field.name for field in fields(EndMotion))  #: Names of an end's inputs.
+_MOTIONS = end_signals(*END_INPUTS)  #: Inputs of both ends, left then right.
 
 
 class FmuRope:
@@ -223,7 +223,7 @@ class FmuRope:
     def _status_of(self, call: str, status: int) -> Status:
         """Return the status of a step that has failed in one of its calls, which C has made."""
         names = {
-            "MOTIONS": f"Set{self._variable(f'{SIDES[0]}.{INPUTS[0]}').type}",
+            "MOTIONS": f"Set{self._variable(f'{SIDES[0]}.{END_INPUTS[0]}').type}",
             "STEP": "DoStep",
         }
         if call in names:
