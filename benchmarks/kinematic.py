@@ -121,7 +121,7 @@ def wind(
 
 
 def observation_points(q: np.ndarray, bottom: np.ndarray) -> np.ndarray:
-    """Return r, r', theta on the left and right leg, (2, 7), above the lowest point `bottom`."""
+    """Return r, r', theta on the left and right leg, (2, 7), above the lowest point ``bottom``."""
     i = int(np.argmin(q[:, 1]))
     height = bottom[1] + OBSERVED_HEIGHT
     return np.array([_row_at(height, leg) for leg in (q[i::-1], q[i:])])

@@ -1,7 +1,7 @@
 """Windings per minute of a study on this machine: ``make bench``, or ``python -m benchmarks.throughput``.
 
 One worker and two, in turns, with the rope of either level, over
-`examples/studies/throughput.toml`, windings of the 120 m rope.  Takes three minutes on a quiet
+``examples/studies/throughput.toml``, windings of the 120 m rope.  Takes three minutes on a quiet
 machine; ``--runs 8`` is a trial.  With ``--python`` the host in Python, as other schemes take it,
 winds the same runs in turns with the trip in C.
 """

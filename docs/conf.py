@@ -1,4 +1,4 @@
-"""The site: `make docs` builds these pages and the reference from docstrings into build/site, warnings being errors."""
+"""The site: ``make docs`` builds pages and reference into build/site, warnings being errors."""
 
 import importlib.metadata
 import sys

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from fmu_src.documentation import COMPUTED_BY, HEADS, TEXT, TITLES, rows
 from fmu_src.interface import variables
-from fmu_src.profile import ALWAYS, DEFAULT, GROUPS, group_of
+from fmu_src.profile import ALWAYS, DEFAULT, OUTPUT_GROUPS, output_group
 from rope_model.cases import rope_120
-from rope_model.reference.outputs import NAMES
+from rope_model.reference.outputs import COMPUTED_NAMES
 from rope_model.signals.signal_table import SIGNALS
 
 #: differing parts of names and descriptions of rows that share a line, and the words for both
@@ -59,10 +59,10 @@ def interface_page() -> str:
         fidelities=_table(("outputs", "fidelities "), COMPUTED_BY),
         groups=_table(
             ("group", "holds", "in the Python flavour "),
-            [(f"`{group}`", holds, in_python(group)) for group, holds in GROUPS.items()],
+            [(f"`{group}`", holds, in_python(group)) for group, holds in OUTPUT_GROUPS.items()],
         ),
         always=" and ".join(f"`{group}`" for group in ALWAYS),
-        left_out=" and ".join(f"`{group}`" for group in GROUPS if group not in DEFAULT),
+        left_out=" and ".join(f"`{group}`" for group in OUTPUT_GROUPS if group not in DEFAULT),
         parameters=_table(HEADS, tables["parameter"]),
         inputs=_table(HEADS, tables["input"]),
         outputs=_table([head for head in HEADS if head != "start"], without_start),
@@ -71,9 +71,9 @@ def interface_page() -> str:
 
 def in_python(group: str) -> str:
     """Return the outputs of a group that the Python flavour has, in words."""
-    outputs = [name for name in SIGNALS if group_of(name) == group]
-    has = dict.fromkeys(_short(name) for name in outputs if name in NAMES)
-    lacks = dict.fromkeys(_short(name) for name in outputs if name not in NAMES)
+    outputs = [name for name in SIGNALS if output_group(name) == group]
+    has = dict.fromkeys(_short(name) for name in outputs if name in COMPUTED_NAMES)
+    lacks = dict.fromkeys(_short(name) for name in outputs if name not in COMPUTED_NAMES)
     if not lacks:
         return "all"
     if not has:

@@ -1,4 +1,4 @@
-"""Linear models of hoist and balance ropes against the nonlinear co-simulation: `python -m evidence.linear`.
+"""Linear models of hoist and ropes against the co-simulation: ``python -m evidence.linear``.
 
 A small torque pulse is given to the co-simulation, at rest or in the midst of a trip at constant speed, and to the
 linear model there. Ratios of Laplace transforms on Re s = SIGMA are compared up to 2 Hz, which is what shows within
@@ -29,8 +29,9 @@ from hoist_demo.cosimulation.schemes.interface import (
 )
 from hoist_demo.design.linear_model import LinearModel
 from hoist_demo.design.linearise import linearise
-from hoist_demo.design.reduction import ALPHA, reduced
-from hoist_demo.drive.equations import INPUT_NAMES
+from hoist_demo.design.reduced_model import ALPHA
+from hoist_demo.design.reduction import reduced
+from hoist_demo.drive.coordinates import INPUT_NAMES
 from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.drive.plant import HoistPlant
 from rope_model import EndMotion

@@ -1,10 +1,11 @@
 """Motions of cables that somebody has measured, in the layout of DEFORM (arXiv 2406.05931): fitted, and judged.
 
-`python -m evidence.motion FOLDER CABLE.toml`. The user has fetched FOLDER himself, of one cable or of several
-in folders of their own. FOLDER/train and FOLDER/eval have pickled lists: frames at 100 Hz of three axes, the last up,
-of vertices (m). Grippers hold the outermost two on either side. The one [[measured]] of CABLE.toml is as that of
-examples/measurements/motion.toml. Length and places (of v2, v3 and so on) that it lacks are those of smooth curves
-through the vertices of the runs that are fitted.
+``python -m evidence.motion FOLDER CABLE.toml``. The user has fetched FOLDER himself, of one cable
+or of several in folders of their own. FOLDER/train and FOLDER/eval have pickled lists: frames at
+100 Hz of three axes, the last up, of vertices (m). Grippers hold the outermost two on either side.
+The one [[measured]] of CABLE.toml is as that of examples/measurements/motion.toml. Length and
+places (of v2, v3 and so on) that it lacks are those of smooth curves through the vertices of the
+runs that are fitted.
 
 The cable moves when a run begins. Before that the grippers run up for LEAD to their first speed, and springs draw the
 markers along, to the place and speed that they have in the first START frames. Then it is free.
@@ -177,7 +178,7 @@ class Started(Markers):
         return np.array(found)
 
     def predict(self, predictor: Any, *_: float) -> Array:
-        """Residuals (m) on the scene of a measurements.RopePredictor, without offsets and delay."""
+        """Residuals (m) on the scene of a prediction.RopePredictor, without offsets and delay."""
         off = (self.wound(predictor.scene) - self.seen)[np.isfinite(self.seen)]
         return np.concatenate((off, np.zeros(self.nuisance)))
 

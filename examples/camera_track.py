@@ -1,4 +1,4 @@
-"""A cable between two grippers, seen by cameras: a synthetic file for `balance-rope identify`."""
+"""A cable between two grippers, seen by cameras: a synthetic file for ``balance-rope identify``."""
 
 import csv
 import math

@@ -2,7 +2,7 @@
 
 Does a swing tell one from the other? Cameras see the cable.
 
-`python examples/damping_law.py`: one swing, then the same and one of a third of its way.
+``python examples/damping_law.py``: one swing, then the same and one of a third of its way.
 """
 
 from dataclasses import replace

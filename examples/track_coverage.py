@@ -1,6 +1,6 @@
 """Share of intervals from synthetic tracks that have the truth.
 
-`python examples/track_coverage.py [SETS [SEED [KIND]]]`; KIND: labelled (default), unlabelled
+``python examples/track_coverage.py [SETS [SEED [KIND]]]``; KIND: labelled (default), unlabelled
 points, or moving, where the file begins in mid-motion.
 """
 

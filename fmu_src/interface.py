@@ -13,7 +13,7 @@ from rope_model.cases import ROPE_CASES, Level, RopeCase
 from rope_model.parameter_table import numeric_bounds, parameters_of
 from rope_model.parameters import Scene
 from rope_model.physics.node import SIDES
-from rope_model.scene_names import Value, named_parameters, with_values
+from rope_model.scene_names import Value, named_parameters, scene_with_values
 from rope_model.scene_names import Variable as Variable
 from rope_model.signals.signal_table import SIGNALS
 
@@ -75,7 +75,7 @@ def case_with(name: str, level: Level, start: Mapping[str, Value]) -> RopeCase:
     parameters = {key: value for key, value in start.items() if key not in ("left.y", "right.y")}
     return dataclasses.replace(
         case,
-        scene=with_values(case.scene, parameters),
+        scene=scene_with_values(case.scene, parameters),
         start=float(start.get("left.y", case.start)),
         travel=float(start.get("right.y", case.travel)),
     )

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from xml.etree.ElementTree import Element
 
 from fmu_src.interface import RATES, Variable
-from fmu_src.profile import Array
+from fmu_src.profile import VariableArray
 from fmu_src.units import DECLARED_TYPES, quantity_attributes, unit_definition, units_of
 from fmu_src.xml import attribute_text, node
 from rope_model.parameters import CHOICES
@@ -125,7 +125,7 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
     return _document(build, {"fmiVersion": "2.0", "guid": build.token}, content)
 
 
-def model_description3(gathered: Sequence[Array], time: int, build: Build) -> Element:
+def model_description3(gathered: Sequence[VariableArray], time: int, build: Build) -> Element:
     """Return the root element of FMI 3.0.
 
     ``time`` is the value reference of the independent variable.
@@ -309,7 +309,7 @@ def _enumeration(key: str) -> Element:
     return node("EnumerationType", *nodes, name=_ENUMERATIONS[key])
 
 
-def _variable3(array: Array) -> Element:
+def _variable3(array: VariableArray) -> Element:
     v = array.variable
     kind = _TYPES3[v.kind]
     type_attributes = _type_attributes(v)

@@ -14,7 +14,7 @@ from fmu_src.interface import Variable
 from rope_model.scene_names import Value
 
 #: contents of each group of outputs
-GROUPS = {
+OUTPUT_GROUPS = {
     "ends": (
         "forces and moments on the conveyances, mean vertical forces, added masses; "
         "`contact.*` and `audit.*`"
@@ -34,8 +34,8 @@ GROUPS = {
 #: groups that every FMU describes
 ALWAYS = ("ends", "status")
 #: groups that an FMU describes by default
-DEFAULT = tuple(group for group in GROUPS if group not in ("shape", "station"))
-ALL = tuple(GROUPS)
+DEFAULT = tuple(group for group in OUTPUT_GROUPS if group not in ("shape", "station"))
+ALL = tuple(OUTPUT_GROUPS)
 #: descriptions of the arrays as a whole
 DESCRIPTIONS = {
     **{
@@ -57,15 +57,15 @@ DESCRIPTIONS = {
 class Profile:
     """Choices of an export that change no result."""
 
-    outputs: tuple[str, ...] = DEFAULT  # names of GROUPS; ALWAYS are added
+    outputs: tuple[str, ...] = DEFAULT  # names of OUTPUT_GROUPS; ALWAYS are added
     arrays: bool = True  # whether FMI 3.0 has arrays; without, each element is a scalar variable
     stop: float = 30.0  # s, of the default experiment
 
     def __post_init__(self) -> None:
-        if unknown := sorted(set(self.outputs) - set(GROUPS)):
+        if unknown := sorted(set(self.outputs) - set(OUTPUT_GROUPS)):
             raise ValueError(
                 f"there is no group of outputs {', '.join(unknown)}; "
-                f"choose one of {', '.join(GROUPS)}"
+                f"choose one of {', '.join(OUTPUT_GROUPS)}"
             )
         if not (math.isfinite(self.stop) and self.stop > 0.0):
             raise ValueError(
@@ -78,7 +78,7 @@ class Profile:
         listed = {
             i: v
             for i, v in enumerate(table)
-            if v.causality != "output" or group_of(v.name) in shown
+            if v.causality != "output" or output_group(v.name) in shown
         }
         return in_reading_order(listed)
 
@@ -133,19 +133,19 @@ def in_reading_order(described: Mapping[int, Variable]) -> dict[int, Variable]:
     return dict(sorted(described.items(), key=place))
 
 
-def group_of(name: str) -> str:
+def output_group(name: str) -> str:
     """Return the group of an output."""
     first, _, rest = name.partition(".")
     if rest == "twist":
         return "stress"
-    if first in GROUPS:
+    if first in OUTPUT_GROUPS:
         return first
     if rest.startswith("swivel."):
         return "swivels"
     return "ends"
 
 
-class Array(NamedTuple):
+class VariableArray(NamedTuple):
     """Consecutive scalars; without an array ``length`` is 1 and ``name`` the variable's own."""
 
     reference: int
@@ -159,12 +159,12 @@ class Array(NamedTuple):
         return len(self.starts)
 
 
-def arrays(described: Mapping[int, Variable]) -> list[Array]:
+def arrays(described: Mapping[int, Variable]) -> list[VariableArray]:
     """Gather ``shape.x[1]``, ``shape.x[2]`` ... to ``shape.x``, with the first value reference.
 
     Parameters stay scalars: importers without arrays read them all, but only the requested outputs.
     """
-    gathered: list[Array] = []
+    gathered: list[VariableArray] = []
     for reference, variable in described.items():
         match = variable.causality == "output" and re.fullmatch(r"(.+)\[(\d+)\]", variable.name)
         if match and match[2] != "1":
@@ -173,14 +173,14 @@ def arrays(described: Mapping[int, Variable]) -> list[Array]:
             name = match[1] if match else variable.name
             description = DESCRIPTIONS.get(name, variable.description)
             described_array = variable._replace(description=description)
-            gathered.append(Array(reference, name, described_array, (variable.start,)))
+            gathered.append(VariableArray(reference, name, described_array, (variable.start,)))
     return gathered
 
 
-def scalars(described: Mapping[int, Variable]) -> list[Array]:
+def scalars(described: Mapping[int, Variable]) -> list[VariableArray]:
     """Return every element separately, with its own value reference."""
-    return [Array(reference, v.name, v, (v.start,)) for reference, v in described.items()]
+    return [VariableArray(reference, v.name, v, (v.start,)) for reference, v in described.items()]
 
 
 #: ``arrays`` or ``scalars``
-Grouping = Callable[[Mapping[int, Variable]], list[Array]]
+Grouping = Callable[[Mapping[int, Variable]], list[VariableArray]]

@@ -3,9 +3,9 @@
 The standard is at ssp-standard.org.
 
 An output and an input of the same name in two different FMUs are connected.  So are two if one has
-the other's name behind the name of the other's component, such as the input `lively.left.fy_mean`
-and `left.fy_mean` of `lively`, or the output `lively.left.x` and its `left.x`, which then listens
-to no other.  Only the model descriptions of the FMUs are read.
+the other's name behind the name of the other's component, such as the input ``lively.left.fy_mean``
+and ``left.fy_mean`` of ``lively``, or the output ``lively.left.x`` and its ``left.x``, which then
+listens to no other.  Only the model descriptions of the FMUs are read.
 """
 
 import zipfile
@@ -48,7 +48,7 @@ class Component:
     parameters: Mapping[str, float | int | bool | str]
 
 
-class Datum(NamedTuple):
+class SystemNumber(NamedTuple):
     """Number on which the system depends, and its status: assumed, published, measured ..."""
 
     name: str
@@ -77,7 +77,7 @@ class System:
     step: float  # s, of the communication
     description: str = ""
     version: Version = "1.0"  # of SSP
-    data: Sequence[Datum] = ()
+    data: Sequence[SystemNumber] = ()
 
 
 def export_ssp(destination: Path, components: Sequence[Component], system: System) -> Path:
@@ -171,7 +171,7 @@ def _meta_data(system: System) -> list[Element]:
     return [node("ssc:MetaData", **attributes)]
 
 
-def _statuses(name: str, data: Sequence[Datum]) -> Element:
+def _statuses(name: str, data: Sequence[SystemNumber]) -> Element:
     """Return the simulation resource meta data, with an entry for the status of each datum."""
     entries = []
     for datum in data:

@@ -1,7 +1,7 @@
 """Everything that is handed out, in one folder: python -m release [FOLDER].
 
 Source distribution and wheel, the FMUs of the 120 m rope in both flavours and the system with its drive, a bill of
-materials and SHA256SUMS, which `sha256sum --check` reads.
+materials and SHA256SUMS, which ``sha256sum --check`` reads.
 """
 
 import sys

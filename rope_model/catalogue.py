@@ -13,7 +13,7 @@ without slip whose metal fills the circle evenly:
 
     EI from E A^2 / (4 pi n) to E A d^2 / 16          D from 2 (G / E) times the first to 2 (G / E) times the second
 
-The `middle` of a range is its geometric mean, or the arithmetic mean if it begins at 0.  Damping
+The ``middle`` of a range is its geometric mean, or the arithmetic mean if it begins at 0.  Damping
 and the growth of D with tension keep the defaults of ``Rope``: no source was found.
 """
 

@@ -114,15 +114,11 @@ def compile_library(
     compiler: Sequence[str],
     folder: Path,
     name: str,
-    linked: Sequence[Path] = (),
 ) -> Path:
-    """Compile the C files among ``sources`` (text by file name) into a library in ``folder``, once; return its path.
-
-    ``linked`` are finished object files for the library.
-    """
+    """Compile the C files among ``sources`` (text by file name) into a library in ``folder``, once; return its path."""
     command = [*compiler, *FLAGS]
     objects = object_files(sources, compiler, FLAGS, folder)
-    files = [*objects.values(), *linked]
+    files = [*objects.values()]
     library = (
         folder / f"{name}-{short_hash(*command, *(file.name for file in files))}{LIBRARY_SUFFIX}"
     )

@@ -1,14 +1,12 @@
 """NativeRope, the rope in C: a ctypes wrapper of the library with the interface of BalanceRope."""
 
 import ctypes
-import hashlib
 import os
 import struct
 from collections.abc import Callable, Iterable, Sequence
 from ctypes import POINTER, Structure, byref, c_char_p, c_double, c_int, c_size_t, c_void_p
 from functools import cache, lru_cache
-from itertools import cycle
-from typing import Any, NamedTuple, cast, get_args, get_origin, get_type_hints
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,35 +26,17 @@ from rope_model.codegen.structures import scene_structure
 from rope_model.fidelity.choice import Fidelity
 from rope_model.interface import BalanceRope, Snapshot, Status
 from rope_model.messages import messages
-from rope_model.method.generalized_alpha import Motion
-from rope_model.method.partition import Partition
-from rope_model.method.swivel_phases import Phase
+from rope_model.native_state import pack, unpack, with_layout_digest, without_layout_digest
 from rope_model.parameters import Scene
-from rope_model.physics.energy_balance import Powers
-from rope_model.physics.node import ANGLE, NODE_DOF, SIDES
+from rope_model.physics.node import ANGLE, NODE_DOF
 from rope_model.saved_state import require_form, require_same_rope, state_behind_label
 from rope_model.signals.signal_table import SIGNALS, checked_names
-from rope_model.solver_parameters import FidelityChoice
-from rope_model.state import NO_HYSTERESIS, Event, RopeState
+from rope_model.state import RopeState
 from rope_model.warnings.result_warnings import WARNINGS
 
 #: numbers of a row: arc length, r, r' and their rates
 ROW_SIZE = 1 + 2 * ANGLE
 _MOTIONS = struct.Struct(f"{2 * len(EndMotion.__dataclass_fields__)}d")
-_SWITCHES = ("sticks", "slips +", "slips -")
-_FIDELITY_NAMES = get_args(FidelityChoice)
-
-
-def _event(event: layout.EventStructure) -> Event:
-    """Return the event with its words."""
-    side = SIDES[event.which % 2]
-    fidelity = _FIDELITY_NAMES[event.which]
-    words = (
-        "transformation",
-        *(f"{side} swivel {does}" for does in _SWITCHES),
-        f"model {fidelity}",
-    )
-    return Event(event.t, words[event.what], event.kinetic, event.potential)
 
 
 class LinearFacts(NamedTuple):
@@ -89,32 +69,39 @@ def _load() -> ctypes.CDLL:
 def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
     """Declare the types of the library's functions and return the library."""
     rope = c_void_p
-    results = {
-        "rope_create": (c_void_p, (c_void_p, c_void_p, c_char_p)),
+    number = c_int
+    success = c_int
+    text = c_char_p
+    buffer = c_void_p
+    functions: dict[str, tuple[Any, tuple[Any, ...]]] = {
+        # name: result, arguments
+        "rope_create": (rope, (c_void_p, c_void_p, text)),
         "rope_destroy": (None, (rope,)),
-        "rope_initialize": (c_int, (rope, c_double, c_char_p)),
-        "rope_advance_to": (c_int, (rope, c_double, c_char_p, c_double)),
-        "rope_retune": (c_int, (rope, c_void_p)),
-        **{f"rope_{name}": (None, (rope, c_void_p)) for name in ("apply", "rows", "save")},
-        "rope_displacement": (c_int, (rope, c_void_p, c_void_p)),
-        **{
-            f"rope_{name}": (c_char_p, (rope,))
-            for name in ("message", "fidelity", "fidelity_reason")
-        },
-        **{f"rope_{name}": (c_int, (rope,)) for name in ("is_initialized", "elements")},
+        "rope_initialize": (success, (rope, c_double, text)),
+        "rope_advance_to": (success, (rope, c_double, text, c_double)),
+        "rope_retune": (success, (rope, c_void_p)),
+        "rope_apply": (None, (rope, c_void_p)),
+        "rope_rows": (None, (rope, buffer)),
+        "rope_displacement": (success, (rope, c_void_p, buffer)),
+        "rope_is_initialized": (c_int, (rope,)),
         "rope_time": (c_double, (rope,)),
-        "rope_warning": (None, (rope, c_int, c_char_p)),
+        "rope_elements": (number, (rope,)),
+        "rope_message": (text, (rope,)),
+        "rope_fidelity": (text, (rope,)),
+        "rope_fidelity_reason": (text, (rope,)),
+        "rope_warning": (None, (rope, number, text)),
         "rope_signals": (None, (rope, c_size_t, POINTER(c_int), POINTER(c_double))),
-        "rope_load_derivative": (c_int, (rope, c_int, c_int, POINTER(c_double))),
+        "rope_load_derivative": (success, (rope, number, number, POINTER(c_double))),
         "rope_repeated_steps": (c_size_t, (rope,)),
         "rope_linear_facts": (None, (rope, POINTER(LinearFactsStructure))),
-        "rope_frames": (None, (rope, c_void_p)),
-        "rope_tangent": (None, (rope, POINTER(TangentCoefficientsStructure), c_void_p, c_void_p)),
-        "rope_release_free_swivels": (c_int, (rope,)),
+        "rope_frames": (None, (rope, buffer)),
+        "rope_tangent": (None, (rope, POINTER(TangentCoefficientsStructure), buffer, buffer)),
+        "rope_release_free_swivels": (success, (rope,)),
         "rope_state_bytes": (c_size_t, (rope,)),
-        "rope_restore": (c_int, (rope, c_char_p, c_size_t)),
+        "rope_save": (None, (rope, buffer)),
+        "rope_restore": (success, (rope, text, c_size_t)),
     }
-    for name, (result, arguments) in results.items():
+    for name, (result, arguments) in functions.items():
         function = getattr(lib, name)
         function.restype = result
         function.argtypes = arguments
@@ -150,19 +137,15 @@ class NativeRope(BalanceRope):
             raise ValueError(self._text.value.decode())
         self._scene = scene
         self._state: RopeState | None = None  # cache of `state`
-        # the library keeps a pointer to the forces
         self._applied = NO_FORCES
-        self._forces = _forces(NO_FORCES)
+        self._forces = _forces(NO_FORCES)  # kept, for the library has a pointer to them
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copy and pickle a rope as its scene, state and forces."""
-        initialized = self._lib.rope_is_initialized(self._rope)
-        return _rebuild, (
-            type(self),
-            self._scene,
-            self.native_state() if initialized else b"",
-            self._applied,
-        )
+        state = b""
+        if self._lib.rope_is_initialized(self._rope):
+            state = self.native_state()
+        return _rebuild, (type(self), self._scene, state, self._applied)
 
     def __del__(self) -> None:
         if rope := self.__dict__.pop("_rope", None):
@@ -203,7 +186,7 @@ class NativeRope(BalanceRope):
     @property
     def state(self) -> RopeState:
         if self._state is None:
-            self._state = _unpack(self.native_state())
+            self._state = unpack(self.native_state())
         return self._state
 
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
@@ -213,8 +196,10 @@ class NativeRope(BalanceRope):
         self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None
     ) -> Status:
         self._require_state()
-        at = t if given_at is None else given_at
-        return self.status_of(self._lib.rope_advance_to(self._rope, t, _ends(left, right), at))
+        if given_at is None:
+            given_at = t
+        ends = _ends(left, right)
+        return self.status_of(self._lib.rope_advance_to(self._rope, t, ends, given_at))
 
     def signals(self, names: Iterable[str] | None = None) -> dict[str, float]:
         self._require_state()
@@ -241,7 +226,7 @@ class NativeRope(BalanceRope):
         forces.require_on(self._scene.rope.length)
         self._applied = forces
         self._forces = _forces(forces)
-        self._lib.rope_apply(self._rope, byref(self._forces[0]))
+        self._lib.rope_apply(self._rope, byref(self._forces.structure))
 
     def rows(self) -> NDArray[np.float64]:
         self._require_state()
@@ -252,10 +237,10 @@ class NativeRope(BalanceRope):
     def displacement(self, forces: PointForces) -> NDArray[np.float64]:
         self._require_state()
         forces.require_on(self._scene.rope.length)
-        structure = _forces(forces)
+        in_c = _forces(forces)
         displacement = np.empty((forces.s.size, 3))
         if not self._lib.rope_displacement(
-            self._rope, byref(structure[0]), displacement.ctypes.data
+            self._rope, byref(in_c.structure), displacement.ctypes.data
         ):
             raise ValueError(self._lib.rope_message(self._rope).decode())
         return displacement
@@ -317,16 +302,15 @@ class NativeRope(BalanceRope):
         return warnings
 
     def snapshot(self) -> Snapshot:
-        return Snapshot(self.form, self._scene, self.native_state(), _unpack, _with_layout)
+        return Snapshot(self.form, self._scene, self.native_state(), unpack, with_layout_digest)
 
     def restore(self, data: bytes | RopeState | Snapshot) -> None:
-        if not (status := self.restore_native(self._native_state_in(data))).valid:
-            raise ValueError(status.message)
+        _require(self.restore_native(self._native_state_in(data)))
 
     def _native_state_in(self, data: bytes | RopeState | Snapshot) -> bytes:
         """Return the ``native_state`` of a result of ``save``, ``state`` or ``snapshot`` of this rope."""
         if isinstance(data, bytes):
-            return _without_layout(state_behind_label(data, self.form, self._scene))
+            return without_layout_digest(state_behind_label(data, self.form, self._scene))
         if isinstance(data, Snapshot):
             require_form(data.form, self.form)
             require_same_rope(data.scene, self._scene)
@@ -337,15 +321,11 @@ class NativeRope(BalanceRope):
                 "or a Snapshot: give one of the native rope"
             )
         # a RopeState has no step that led to it, nor a hysteresis before the wires rub
-        return _pack(data).ljust(self._lib.rope_state_bytes(self._rope), b"\0")
+        return pack(data).ljust(self._lib.rope_state_bytes(self._rope), b"\0")
 
     def _retune(self, scene: Scene) -> None:
-        if not (
-            status := self.status_of(
-                self._lib.rope_retune(self._rope, byref(scene_structure(scene)))
-            )
-        ).valid:
-            raise ValueError(status.message)
+        succeeded = self._lib.rope_retune(self._rope, byref(scene_structure(scene)))
+        _require(self.status_of(succeeded))
         self._scene = scene
 
     def native_state(self) -> bytes:
@@ -371,11 +351,19 @@ class NativeRope(BalanceRope):
         return Status(False, self._lib.rope_message(self._rope).decode())
 
 
-def _forces(forces: PointForces) -> tuple[Structure, Any]:
-    """Return the forces in the form of rope.h, and the array to which that structure points."""
+class _ForcesInC(NamedTuple):
+    """Point forces in the form of rope.h."""
+
+    structure: Structure
+    rows: NDArray[np.float64]  # (forces, FORCE_ROW), the memory to which the structure points
+
+
+def _forces(forces: PointForces) -> _ForcesInC:
+    """Return the forces in the form of rope.h."""
     rows = np.column_stack((forces.s, forces.at_start, forces.at_stop)).astype(float, copy=False)
     places = rows.ctypes.data_as(POINTER(c_double * FORCE_ROW))
-    return PointForcesStructure(forces.s.size, forces.start, forces.stop, places), rows
+    structure = PointForcesStructure(forces.s.size, forces.start, forces.stop, places)
+    return _ForcesInC(structure, rows)
 
 
 def _rebuild(
@@ -383,9 +371,15 @@ def _rebuild(
 ) -> NativeRope:
     rope = kind(scene)
     rope.apply(applied)
-    if state and not (status := rope.restore_native(state)).valid:
-        raise ValueError(status.message)
+    if state:
+        _require(rope.restore_native(state))
     return rope
+
+
+def _require(status: Status) -> None:
+    """Raise ValueError with the message of a status that is not valid."""
+    if not status.valid:
+        raise ValueError(status.message)
 
 
 _VALID = Status(True)
@@ -401,107 +395,3 @@ def _numbers(names: tuple[str, ...]) -> ctypes.Array[c_int]:
 def _ends(left: EndMotion, right: EndMotion) -> bytes:
     """Return both motions as an array of EndMotion of rope.h."""
     return _MOTIONS.pack(*left.__dict__.values(), *right.__dict__.values())
-
-
-@cache
-def _layout() -> bytes:
-    """Return a digest of the memory layout: another version of rope_model may have another one."""
-    return hashlib.sha256(layout.state_structures().encode()).digest()
-
-
-def _with_layout(native: bytes) -> bytes:
-    return _layout() + native
-
-
-def _without_layout(data: bytes) -> bytes:
-    """Return the ``native_state`` that ``_with_layout`` was given."""
-    if not data.startswith(_layout()):
-        raise ValueError(
-            "the saved state has the layout of another version of rope_model: "
-            "restore it with that version, or save it anew"
-        )
-    return data.removeprefix(_layout())
-
-
-def _unpack(data: bytes) -> RopeState:
-    """Return the state in ``data``: StateStructure, six arrays (n + 1, 7), n lengths, n + 1 arc lengths, hysteresis."""
-    s = layout.StateStructure.from_buffer_copy(data)
-    n = s.elements
-    values = np.frombuffer(data, dtype=np.float64, offset=ctypes.sizeof(layout.StateStructure))
-    size = NODE_DOF * (n + 1)
-    x = {
-        name: values[i * size : (i + 1) * size].reshape(n + 1, NODE_DOF).copy()
-        for i, name in enumerate(layout.ARRAYS)
-    }
-    lengths_at = len(layout.ARRAYS) * size
-    hysteresis_at = lengths_at + n + (n + 1)
-    return RopeState(
-        **{name: read(getattr(s, name)) for name, read in _READERS.items()},
-        motion=Motion(s.t, x["q"], x["v"], x["a"], x["b"], x["a_rate"], s.h, x["reaction"]),
-        partition=Partition(
-            values[lengths_at : lengths_at + n].copy(),
-            tuple(s.pattern.counts),
-            s.pattern.coarse,
-            s.pattern.end_levels,
-            s.pattern.grading_length,
-            tuple(s.pattern.windows),
-        ),
-        fidelity=_FIDELITY_NAMES[s.fidelity],
-        fidelity_reason=s.fidelity_reason.decode(),
-        events=tuple(_event(event) for event in s.events[: s.event_count]),
-        powers=Powers(s.power_ends, s.power_swivel),
-        hysteresis=values[hysteresis_at:][: n * NO_HYSTERESIS.shape[1]].reshape(n, -1).copy()
-        if s.rubs
-        else NO_HYSTERESIS,
-    )
-
-
-def _pack(state: RopeState) -> bytes:
-    m = state.motion
-    p = state.partition
-    s = layout.StateStructure(
-        **{name: _to_ctypes(getattr(state, name)) for name in layout.SAME_NAMED},
-        t=m.t,
-        h=m.h,
-        power_ends=state.powers.ends,
-        power_swivel=state.powers.swivel,
-        pattern=layout.PatternStructure(
-            p.coarse, p.grading_length, p.counts, p.end_levels, p.windows
-        ),
-        elements=p.lengths.size,
-        fidelity=_FIDELITY_NAMES.index(state.fidelity),
-        fidelity_reason=state.fidelity_reason.encode()[: layout.MESSAGE - 1],
-        rubs=state.hysteresis.size > 0,
-    )
-    arrays = [getattr(m, name).tobytes() for name in layout.ARRAYS]
-    return b"".join(
-        [bytes(s), *arrays, p.lengths.tobytes(), p.nodes_s.tobytes(), state.hysteresis.tobytes()]
-    )
-
-
-@cache
-def _reader(hint: Any) -> Callable[[Any], Any]:
-    """Return the function that makes the Python value, of the type ``hint``, of a ctypes value."""
-    if get_origin(hint) is tuple:
-        readers = [_reader(part) for part in get_args(hint) if part is not ...]
-        return lambda x: tuple(read(part) for read, part in zip(cycle(readers), x, strict=False))
-    if hint in layout.PARTS:
-        members = [(name, _reader(part)) for name, part in get_type_hints(hint).items()]
-        return lambda x: hint(*(read(getattr(x, name)) for name, read in members))
-    return Phase if hint is Phase else lambda x: x
-
-
-_READERS = {
-    name: _reader(hint)
-    for name, hint in get_type_hints(RopeState).items()
-    if name in layout.SAME_NAMED
-}
-
-
-def _to_ctypes(x: Any) -> Any:
-    """Return ``x`` as a ctypes value; the inverse of ``_reader``."""
-    if type(x) in layout.PARTS:
-        return layout.PARTS[type(x)](**{name: _to_ctypes(getattr(x, name)) for name in x._fields})
-    if isinstance(x, tuple):
-        return tuple(map(_to_ctypes, x))
-    return x.value if isinstance(x, Phase) else x

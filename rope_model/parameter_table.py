@@ -1,7 +1,7 @@
 """Table of parameters: fields of data classes with unit, description, bounds and choices.
 
-`parameter` and `choice` make such fields.  The table serves the checks of the data classes, the C
-structures and checks (codegen.tables), the FMU's interface, its documents, studies and reports.
+``parameter`` and ``choice`` make such fields.  The table serves the checks of the data classes, the
+C structures and checks (codegen.tables), the FMU's interface, its documents, studies and reports.
 """
 
 import math

@@ -104,7 +104,7 @@ def named_parameters(scene: Scene) -> Iterator[NamedParameter]:
         yield NamedParameter(name, value, facts, min_count, None)
 
 
-def with_values(scene: Scene, values: Mapping[str, Value]) -> Scene:
+def scene_with_values(scene: Scene, values: Mapping[str, Value]) -> Scene:
     """Return the scene with other parameters by name; ValueError for unknown ones and values out of range."""
     chosen: dict[str, dict[str, Any]] = {}
     counts = [*scene.mesh.counts]

@@ -1,7 +1,7 @@
 """Parameters of the shaft: bodies near the rope, contact, guards of the loop, and air.
 
 Sizes are in m, heights count from the origin of the conveyances' heights.  Without a width, a
-diameter or a size a body is absent.  `physics.shaft` makes the bodies from them.
+diameter or a size a body is absent.  ``physics.shaft`` makes the bodies from them.
 """
 
 from dataclasses import dataclass, field

@@ -151,5 +151,5 @@ def _describe(p: Point) -> str:
     return f"TMN-ETM, l = {mesh.coarse_length:.3g} m, IV of {mesh.counts[2]}, ends halved {mesh.end_levels} times"
 
 
-#: what `python -m evidence --measure accuracy` measures
+#: what ``python -m evidence --measure accuracy`` measures
 MEASURES: Measures = {"points": measure, "depth": depth.tables}

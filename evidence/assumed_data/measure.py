@@ -1,4 +1,4 @@
-"""Coverage of the intervals that `identify` states, and what `uncertain` makes of the catalogue's ranges (20 minutes).
+"""Coverage of the intervals that ``identify`` states, and spread by ``uncertain`` (20 minutes).
 
 Coverage: each of SETS ropes has properties drawn evenly from the middle 70 % of their ranges, is measured by PLAN with
 normal errors of its sigma, and looked for again.  Counted is how often the true value lies within the interval of 90 %
@@ -17,12 +17,13 @@ from evidence.rendering import DOCS
 from evidence.tables import Measures, Tables, table
 from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.findings import OPEN
-from hoist_demo.calibration.fit import REACH, Array, fit, intervals, sensitivities
+from hoist_demo.calibration.fit import REACH, fit, intervals, sensitivities
 from hoist_demo.calibration.identify import residuals_of, stacked
 from hoist_demo.files.reading import read
 from hoist_demo.run.metrics import UNITS
 from hoist_demo.uncertainty.definition import UncertaintyFile
 from hoist_demo.uncertainty.spread import run_windings
+from rope_model.arrays import Array
 
 #: what is measured, with sigma
 EXAMPLES = DOCS.parent / "examples"

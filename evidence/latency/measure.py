@@ -11,7 +11,7 @@ Every run is made ROUNDS times, the cases taking turns.  Its steps do the same w
 - a step's *own* time is the shortest of the rounds.
 
 Measure on a quiet machine: nothing else runs, and the clock does not change (Linux: `cpupower frequency-set -g
-performance`), one core kept for it (`taskset -c 1`).
+performance`), one core kept for it (``taskset -c 1``).
 """
 
 import ctypes

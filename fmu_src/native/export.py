@@ -107,7 +107,7 @@ def rope_sources() -> dict[str, str]:
     return sources()
 
 
-class Model(Protocol):
+class FmuModel(Protocol):
     """Model of an FMU that is not the rope.
 
     It has no arrays, events and directional derivatives; its outputs at an instant depend on no
@@ -155,13 +155,9 @@ def export_model(
     destination: Path,
     platforms: Sequence[str] | None,
     fmi: int,
-    model: Model,
-    identifier: str | None = None,
+    model: FmuModel,
 ) -> Path:
-    """Write the FMU of a model; ``platforms`` as for the rope.
-
-    ``identifier`` replaces the name as model identifier.
-    """
+    """Write the FMU of a model; ``platforms`` as for the rope."""
     start = start_values(model.variables, fmi)
     names = [v.name for v in model.described.values()]
     files = native_files(
@@ -180,7 +176,7 @@ def export_model(
         derivatives=False,
         events=False,
         initial=model.initial,
-        identifier=identifier or model.name,
+        identifier=model.name,
     )
     write_archive(destination, {**files, **model.attachments, **licenses()})
     return destination

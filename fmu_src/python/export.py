@@ -64,32 +64,14 @@ def export_fmu(
     data = case_with(case, level, start)
     require_for_python(data.scene)
     table = variables(data)
-    with tempfile.TemporaryDirectory(prefix="balance_rope_") as folder:
-        stage = Path(folder)
-        key = _build_key(
-            f"{case} {level} {sorted(start.items())} {profile}", library_sources(table)
-        )
-        package = stage / f"balance_rope_{key}"
-        script = stage / f"balance_rope_slave_{key}.py"
-        _copy_modules(package)
-        script.write_text(
-            import_from(package.name, _SLAVE.read_text(encoding="utf-8")), encoding="utf-8"
-        )
-        facts = _build_facts(case, level, key)
-        settings = {"start": dict(start), "outputs": profile.outputs, "stop": profile.stop}
-        (stage / "build.json").write_text(json.dumps(facts | settings, indent=1), encoding="utf-8")
-        draft = stage / "out" / "draft.fmu"
-        draft.parent.mkdir()
-        FmuBuilder.build_FMU(
-            script, draft, [package, stage / "build.json"], documentation_folder=None
-        )
-        _unload(stage, package.name, script.stem)
-        draft_files = read_archive(draft).items()
-        files = {name: code for name, code in draft_files if not name.startswith("binaries/")}
-    files = _with_package_builder(files, package.name, f"resources/{script.name}")
+    library = library_sources(table)
+    key = _build_key(f"{case} {level} {sorted(start.items())} {profile}", library)
+    facts = _build_facts(case, level, key)
+    settings = {"start": dict(start), "outputs": profile.outputs, "stop": profile.stop}
+    files = _python_files(key, {**facts, **settings})
     files |= binaries_with(
         Start(facts["guid"], start_values(table, fmi=2)),
-        library_sources(table),
+        library,
         name=MODEL,
         fmi=2,
         platforms=chosen,
@@ -97,6 +79,29 @@ def export_fmu(
     described = of_python(profile.select(table)).values()
     write_archive(destination, files | attachments(described, data, fmi=2, native=False))
     return destination
+
+
+def _python_files(key: str, build: Mapping[str, object]) -> dict[str, bytes]:
+    """Return the files of pythonfmu's FMU without its libraries: model description and resources.
+
+    ``build`` are the facts that slave.py reads from build.json.
+    """
+    with tempfile.TemporaryDirectory(prefix="balance_rope_") as folder:
+        stage = Path(folder)
+        package = stage / f"balance_rope_{key}"
+        script = stage / f"balance_rope_slave_{key}.py"
+        facts = stage / "build.json"
+        _copy_modules(package)
+        slave = import_from(package.name, _SLAVE.read_text(encoding="utf-8"))
+        script.write_text(slave, encoding="utf-8")
+        facts.write_text(json.dumps(build, indent=1), encoding="utf-8")
+        draft = stage / "out" / "draft.fmu"
+        draft.parent.mkdir()
+        FmuBuilder.build_FMU(script, draft, [package, facts], documentation_folder=None)
+        _unload(stage, package.name, script.stem)
+        packed = read_archive(draft)
+    files = {name: code for name, code in packed.items() if not name.startswith("binaries/")}
+    return _with_package_builder(files, package.name, f"resources/{script.name}")
 
 
 def library_sources(table: Sequence[Variable]) -> dict[str, str]:

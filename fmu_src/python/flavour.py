@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from fmu_src.interface import Variable
 from fmu_src.model_description import DESCRIPTION
 from rope_model.parameters import Scene
-from rope_model.reference.outputs import NAMES
+from rope_model.reference.outputs import COMPUTED_NAMES
 from rope_model.reference.scope import unpublished
 from rope_model.signals.signal_table import SIGNALS
 
@@ -24,7 +24,7 @@ def of_python(described: Mapping[int, Variable]) -> dict[int, Variable]:
     return {
         reference: v
         for reference, v in described.items()
-        if v.name not in SIGNALS or v.name in NAMES
+        if v.name not in SIGNALS or v.name in COMPUTED_NAMES
     }
 
 

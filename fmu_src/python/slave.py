@@ -27,11 +27,11 @@ from rope_model.boundary.end_paths import EndMotion
 from rope_model.interface import Status
 from rope_model.messages.rules import first_text
 from rope_model.parameters import Scene
-from rope_model.reference.outputs import function_of
+from rope_model.reference.outputs import values_function
 from rope_model.reference.result_warnings import COMPUTED, warning_of
 from rope_model.reference.rope import ReferenceRope
 from rope_model.reference.state import State
-from rope_model.scene_names import Value, with_values
+from rope_model.scene_names import Value, scene_with_values
 from rope_model.warnings.warning_rules import LONG_EXTRAPOLATION
 
 log = logging.getLogger(__name__)
@@ -63,7 +63,7 @@ def _report_failure(
     return method
 
 
-class BalanceRope(Fmi2Slave):  # type: ignore[misc]
+class RopeSlave(Fmi2Slave):  # type: ignore[misc]
     """Published system of the balance rope for co-simulation."""
 
     #: number of warnings: those of the rope, and inputs that are extrapolated too far
@@ -146,7 +146,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     def compute(self, scalar: int) -> None:
         """Write the output and its group into the library's array."""
         name = self._table[scalar].name
-        group = function_of(name)
+        group = values_function(name)
         if group is None:
             raise ValueError(f"the Python flavour has no output {name}; export with --native")
         for each, value in group(self._rope.scene, self._rope.state).items():
@@ -203,7 +203,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         for v, value in zip(self._table, self._values, strict=False):
             if v.causality == "parameter" and v.kind != "Boolean":
                 values[v.name] = int(value) if v.kind == "Integer" else value
-        return with_values(Scene(), values)
+        return scene_with_values(Scene(), values)
 
     def _motions(self) -> tuple[EndMotion, EndMotion]:
         left, right = (EndMotion(*map(self._value, names)) for names in MOTION.values())

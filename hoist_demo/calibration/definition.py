@@ -7,17 +7,13 @@ import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
 from hoist_demo.calibration.fit import MIDDLE, NotComputed
-from hoist_demo.calibration.measurements import (
-    FIDELITY,
-    CalibrationProblem,
-    InShaft,
-    MeasurementEntry,
-    Signal,
-)
+from hoist_demo.calibration.measurements import InShaft, MeasurementEntry, OutputName
+from hoist_demo.calibration.prediction import FIDELITY
+from hoist_demo.calibration.problem import CalibrationProblem
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.cases.run_values import RopeAnalysisFile
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene, values_by_name
-from hoist_demo.files.reading import EMPTY, FileError, Table, flat
+from hoist_demo.files.reading import EMPTY, FileError, TomlTable, flat
 from hoist_demo.files.registry import group_table, rope_parameters
 from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.files.values import ParameterValue, statuses, unreached, value_type, values_of
@@ -29,10 +25,10 @@ _FIDELITY = "model.fidelity"
 SOUGHT = ("rope", "air")  #: Groups of parameters that may be sought beside the properties.
 
 
-class Wanted(Table):
+class Wanted(TomlTable):
     """An output at rest that is to be known."""
 
-    signal: Signal = "loop.yaw"
+    signal: OutputName = "loop.yaw"
     left_y: float = Field(0.0, allow_inf_nan=False)  # m
     right_y: float = Field(0.0, allow_inf_nan=False)  # m
 

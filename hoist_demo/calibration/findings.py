@@ -5,7 +5,8 @@ Words, statuses and the exit code follow from it.
 
 from enum import Enum
 
-from hoist_demo.calibration.fit import Array, Fit
+from hoist_demo.calibration.fit import Fit
+from rope_model.arrays import Array
 
 #: Half width of an interval in shares from which on a property is undetermined: half that of a
 #: range.

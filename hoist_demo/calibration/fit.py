@@ -31,7 +31,8 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares, lsq_linear
 from scipy.special import chdtrc, ndtri  # scipy.stats is slow to load
 
-Array = NDArray[np.float64]
+from rope_model.arrays import Array
+
 Signs = NDArray[np.int_]
 #: (norm_params (n,)) -> prediction less measurement in standard errors (m,).
 Residuals = Callable[[Array], Array]

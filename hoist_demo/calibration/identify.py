@@ -6,7 +6,7 @@ Found are values with intervals, what stays undetermined, and what to measure ne
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from threading import Lock
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from hoist_demo.calibration import measurements as kinds
 from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.findings import Finding, findings_of
 from hoist_demo.calibration.fit import (
-    Array,
     Fit,
     Residuals,
     error_of,
@@ -23,7 +22,8 @@ from hoist_demo.calibration.fit import (
     sensitivities,
     with_measurement,
 )
-from hoist_demo.calibration.measurements import CalibrationProblem, Measurements, RopeMeasurement
+from hoist_demo.calibration.measurements import Measurements, RopeMeasurement
+from hoist_demo.calibration.problem import CalibrationProblem
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.cases.case import DEFAULT_HOIST
 from hoist_demo.cases.table import find_case
@@ -32,6 +32,7 @@ from hoist_demo.files.rope_file import following_statuses
 from hoist_demo.files.values import GIVEN
 from hoist_demo.run.provenance import SourcedValue, rope_provenance
 from rope_model import Datum, KnownRope
+from rope_model.arrays import Array
 
 #: Is told of each rope that was computed, with the number of its windings.
 Computed = Callable[[int], None]
@@ -126,18 +127,50 @@ def identify(
         nuisance=sum(m.unknowns for m in tracks),
     )
     properties_fit = whole.of_first_params(count)
-    ends = np.tile([0.0, 1.0], (count, 1))
-    if properties_fit.contradicted:  # no interval follows from such measurements
-        pass
-    elif whole.norm_params.size == count:
-        ends = intervals(residuals, properties_fit)
-    else:  # with a start, residuals are too nonlinear for a profile's few corrections
-        reaches = np.outer(properties_fit.reaches, [-1.0, 1.0])
-        linear = np.clip(properties_fit.norm_params[:, None] + reaches, 0.0, 1.0)
-        ends = np.where(properties_fit.held[:, None] == 0, linear, ends)
+    ends = _interval_ends(residuals, whole, properties_fit)
     findings = dict(zip(problem.names, findings_of(properties_fit, ends), strict=True))
     where: Any = dict(file.wanted)
     wanted = kinds.AtRest(value=(0.0,), sigma=1.0, **where)
+    ranking = _ranking(problem, wanted, properties_fit)
+    predictor = problem.predictor(properties_fit.norm_params)
+    predicted = problem.predict(whole.norm_params, [*file.measurements, wanted], predictor)
+    return CalibrationResult(
+        file,
+        properties_fit,
+        ends,
+        data=calibrated(file, findings, ends),
+        predicted=predicted[:-1],
+        findings=findings,
+        wanted=float(predicted[-1]),
+        wanted_error=ranking.error_now,
+        candidates=ranking.candidates,
+        warnings=predictor.warnings,
+    )
+
+
+def _interval_ends(residuals: Residuals, whole: Fit, properties_fit: Fit) -> Array:
+    """Return the ends (n, 2) of the properties' intervals, as shares of the ranges."""
+    count = properties_fit.norm_params.size
+    ranges = np.tile([0.0, 1.0], (count, 1))
+    if properties_fit.contradicted:  # no interval follows from such measurements
+        return ranges
+    if whole.norm_params.size == count:
+        return intervals(residuals, properties_fit)
+    # with a start, residuals are too nonlinear for a profile's few corrections
+    reaches = np.outer(properties_fit.reaches, [-1.0, 1.0])
+    linear = np.clip(properties_fit.norm_params[:, None] + reaches, 0.0, 1.0)
+    return np.where(properties_fit.held[:, None] == 0, linear, ranges)
+
+
+class _Ranking(NamedTuple):
+    """Standard errors of the output wanted."""
+
+    error_now: float
+    candidates: tuple[Candidate, ...]  # further measurements, the one of the smallest error first
+
+
+def _ranking(problem: CalibrationProblem, wanted: RopeMeasurement, properties_fit: Fit) -> _Ranking:
+    """Rank candidates for the next measurement by what they would leave of the error."""
     possible = candidates(problem, properties_fit.norm_params)
     rows = sensitivities(
         lambda u: problem.predict(u, [wanted, *possible]), properties_fit.norm_params
@@ -149,20 +182,7 @@ def identify(
         after = with_measurement(covariance, row / m.sigma)
         ranked.append(Candidate(m, error_of(after, gradient)))
     ranked.sort(key=lambda candidate: candidate.error)
-    predictor = problem.predictor(properties_fit.norm_params)
-    predicted = problem.predict(whole.norm_params, [*file.measurements, wanted], predictor)
-    return CalibrationResult(
-        file,
-        properties_fit,
-        ends,
-        data=calibrated(file, findings, ends),
-        predicted=predicted[:-1],
-        findings=findings,
-        wanted=float(predicted[-1]),
-        wanted_error=error_of(covariance, gradient),
-        candidates=tuple(ranked),
-        warnings=predictor.warnings,
-    )
+    return _Ranking(error_of(covariance, gradient), tuple(ranked))
 
 
 def stacked(measurements: Measurements) -> tuple[Array, Array]:

@@ -2,6 +2,7 @@
 
 import textwrap
 from pathlib import Path
+from typing import NamedTuple
 
 from hoist_demo.calibration.findings import Finding
 from hoist_demo.calibration.fit import CONFIDENCE, SIGNIFICANCE
@@ -87,65 +88,86 @@ def complaints(result: CalibrationResult) -> list[str]:
 
 def write_page(result: CalibrationResult, path: Path) -> Path:
     """Write the HTML page of an identification and return its path."""
-    problem = result.measurement_file.problem
+    none = paragraphs(["None."])
+    pairs = none
+    if _pairs(result):
+        pairs = untitled_table(("properties", "correlation"), _pairs(result))
+    data_title, data = provenance_table(result.provenance())
+    parts = [
+        ("", paragraphs([*complaints(result), *result.warnings]) + _property_table(result)),
+        ("Values in the ranges known before", _range_bars(result)),
+        ("Model less measurement", _residual_bars(result)),
+        ("Measured and fitted", _fitted_table(result)),
+        ("Undetermined by the data", paragraphs(_open(result)) or none),
+        ("Determined only together", pairs),
+        (
+            f"Best next measurement of {result.measurement_file.wanted.signal}",
+            _candidate_table(result),
+        ),
+        (data_title, untitled_table(("datum", "value", "unit", "status"), data)),
+    ]
+    title = f"A rope from measurements: {result.measurement_file.path.name}"
+    return write_sheet(path, title, parts)
+
+
+def _property_table(result: CalibrationResult) -> str:
+    """Return the properties found, beside what was known of them before."""
+    interval = f"found, with the interval of {100 * CONFIDENCE:.0f} %"
+    head = ("property", interval, "unit", "known before", "status before")
+    rows = []
+    for row, name in zip(_properties(result), result.names, strict=True):
+        datum = result.measurement_file.problem.data[name]
+        factor, _ = engineering(result.data[name].high, datum.unit)
+        range_before = f"{number(factor * datum.low)} to {number(factor * datum.high)}"
+        rows.append((*row, range_before, f"{datum.status}: {datum.source}"))
+    return untitled_table(head, rows)
+
+
+def _range_bars(result: CalibrationResult) -> str:
+    """Return a picture of the intervals in the ranges known before."""
     ranges = []
     shares = zip(result.names, result.fit.norm_params, result.intervals, strict=True)
     for name, share, (low, high) in shares:
         label = name.replace("_", " ")
         is_determined = result.is_determined(name)
         ranges.append(Bar(label, float(low), float(high), float(share), solid=is_determined))
-    residuals = []
-    for name, x in _residuals(result):
-        place = 0.5 + x / (2 * SIDE)
-        residuals.append(Bar(name, low=0.5, high=place, at=place))
-    steps = [(0.5 + x / (2 * SIDE), f"{x:+.0f}") for x in (-4, -3, -2, -1, 1, 2, 3, 4)]
-    steps.insert(4, (0.5, "0"))
-    interval = f"found, with the interval of {100 * CONFIDENCE:.0f} %"
-    head = ("property", interval, "unit", "known before", "status before")
-    properties = []
-    for row, name in zip(_properties(result), result.names, strict=True):
-        datum = problem.data[name]
-        factor, _ = engineering(result.data[name].high, datum.unit)
-        range_before = f"{number(factor * datum.low)} to {number(factor * datum.high)}"
-        properties.append((*row, range_before, f"{datum.status}: {datum.source}"))
-    fitted = [
-        (name, number(value), number(predicted), number(sigma), unit_text(unit))
-        for name, value, predicted, sigma, unit in _values(result)
-    ]
-    unit = _wanted_unit(result)
-    candidates = [(c.measurement.name, f"{number(c.error)} {unit}") for c in result.candidates]
-    pairs = _pairs(result)
-    none = paragraphs(["None."])
-    notes = [*complaints(result), *result.warnings]
     axis = "Axis: the range known before, from its lower to its upper end. Grey: undetermined."
     places = [(0.0, "lower end"), (0.5, "middle"), (1.0, "upper end")]
-    wanted = f"It is {number(result.wanted)} {unit}, its standard error {_error(result)}."
-    columns = ("measurement", "measured", "fitted", "sigma", "unit")
-    next_columns = ("measurement", "standard error that it leaves")
-    next_title = f"Best next measurement of {result.measurement_file.wanted.signal}"
-    data_title, data = provenance_table(result.provenance())
-    parts = [
-        ("", paragraphs(notes) + untitled_table(head, properties)),
-        (
-            "Values in the ranges known before",
-            paragraphs([axis]) + bars(ranges, places, "intervals in the ranges"),
-        ),
-        (
-            "Model less measurement",
-            paragraphs(["In standard errors."])
-            + bars(residuals, steps, "residuals in standard errors"),
-        ),
-        ("Measured and fitted", untitled_table(columns, fitted)),
-        ("Undetermined by the data", paragraphs(_open(result)) or none),
-        (
-            "Determined only together",
-            untitled_table(("properties", "correlation"), pairs) if pairs else none,
-        ),
-        (next_title, paragraphs([wanted]) + untitled_table(next_columns, candidates)),
-        (data_title, untitled_table(("datum", "value", "unit", "status"), data)),
-    ]
-    title = f"A rope from measurements: {result.measurement_file.path.name}"
-    return write_sheet(path, title, parts)
+    return paragraphs([axis]) + bars(ranges, places, "intervals in the ranges")
+
+
+def _residual_bars(result: CalibrationResult) -> str:
+    """Return a picture of the residuals in standard errors, from 0 in the middle."""
+    middle = 0.5
+    per_error = middle / SIDE
+    residuals = []
+    for name, x in _residuals(result):
+        place = middle + per_error * x
+        residuals.append(Bar(name, low=middle, high=place, at=place))
+    errors = range(-round(SIDE), round(SIDE) + 1)
+    steps = [(middle + per_error * x, f"{x:+d}" if x else "0") for x in errors]
+    text = paragraphs(["In standard errors."])
+    return text + bars(residuals, steps, "residuals in standard errors")
+
+
+def _fitted_table(result: CalibrationResult) -> str:
+    """Return each value as measured and as the fit predicts it."""
+    head = ("measurement", "measured", "fitted", "sigma", "unit")
+    rows = []
+    for one in _fitted_values(result):
+        numbers = (number(one.measured), number(one.predicted), number(one.sigma))
+        rows.append((one.name, *numbers, unit_text(one.unit)))
+    return untitled_table(head, rows)
+
+
+def _candidate_table(result: CalibrationResult) -> str:
+    """Return the output wanted, and what each further measurement would leave of its error."""
+    text = f"It is {number(result.wanted)} {_wanted_unit(result)}, its standard error "
+    text += f"{_error(result)}."
+    unit = _wanted_unit(result)
+    rows = [(c.measurement.name, f"{number(c.error)} {unit}") for c in result.candidates]
+    head = ("measurement", "standard error that it leaves")
+    return paragraphs([text]) + untitled_table(head, rows)
 
 
 def _properties(result: CalibrationResult) -> list[tuple[str, str, str]]:
@@ -187,25 +209,36 @@ def _wanted_unit(result: CalibrationResult) -> str:
     return unit_text(SIGNALS[result.measurement_file.wanted.signal].unit)
 
 
-def _values(result: CalibrationResult) -> list[tuple[str, float, float, float, str]]:
-    """Name, measured, predicted, sigma and unit of each value."""
+class _FittedValue(NamedTuple):
+    """A measured value, and the prediction of the fit."""
+
+    name: str
+    measured: float
+    predicted: float
+    sigma: float
+    unit: str
+
+
+def _fitted_values(result: CalibrationResult) -> list[_FittedValue]:
+    """Return each value; of a track's places their root mean square."""
     predicted = iter(result.predicted)
-    rows = []
+    values = []
     for m in result.measurement_file.measurements:
         if isinstance(m, Markers):
             of_places = [float(next(predicted)) ** 2 for _ in m.values][: -m.nuisance]
             rms = (sum(of_places) / len(of_places)) ** 0.5
-            rows.append((f"{m.name or m.file}, RMS", 0.0, rms, m.sigma, "m"))
+            values.append(_FittedValue(f"{m.name or m.file}, RMS", 0.0, rms, m.sigma, "m"))
             continue
         for k, value in enumerate(m.values, 1):
             name = f"{m.title} {k}" if len(m.values) > 1 else m.title
-            rows.append((name, value, float(next(predicted)), m.sigma, m.unit))
-    return rows
+            values.append(_FittedValue(name, value, float(next(predicted)), m.sigma, m.unit))
+    return values
 
 
 def _residuals(result: CalibrationResult) -> list[tuple[str, float]]:
+    """Return name and residual in standard errors of each value."""
     return [
-        (name, (predicted - value) / sigma) for name, value, predicted, sigma, _ in _values(result)
+        (one.name, (one.predicted - one.measured) / one.sigma) for one in _fitted_values(result)
     ]
 
 

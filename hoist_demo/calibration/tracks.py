@@ -23,7 +23,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,15 +34,16 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from hoist_demo.calibration.fit import NotComputed
-from hoist_demo.files.reading import Table, path_from_file
+from hoist_demo.calibration.prediction import RopePredictor
+from hoist_demo.files.reading import TomlTable, path_from_file
 from hoist_demo.files.values import Text
 from rope_model import EndMotion, Scene, balance_rope
+from rope_model.arrays import Array
 from rope_model.boundary import quintic
 from rope_model.boundary.point_forces import at_places, elements_at
 from rope_model.parameters import Attachment
 from rope_model.physics.node import SIDES
 
-Array = NDArray[np.float64]
 REST = 25  #: Samples at rest that are put before the file.
 FIRST = 5  #: First samples of the file, in the mean of which the ends rest.
 ROBUST = 3.0  #: Standard errors from which on a residual counts for less.
@@ -76,7 +77,7 @@ class _Frames:
         return float(np.median(np.diff(self.t)))
 
 
-class Markers(Table):
+class Markers(TomlTable):
     """Markers along a rope between two ends that move."""
 
     what: Literal["markers"]
@@ -206,7 +207,7 @@ class Markers(Table):
             samples.append([places, speeds, tangents])
         return np.array(samples).swapaxes(0, 1)
 
-    def predict(self, predictor: Any, *start: float) -> Array:
+    def predict(self, predictor: RopePredictor, *start: float) -> Array:
         """Residuals (m) on the scene of a RopePredictor, and shares that tell its start.
 
         Squares are the loss.
@@ -244,57 +245,75 @@ def _nearest(curve: CubicHermiteSpline, points: Array) -> Array:
     return np.asarray(s)
 
 
-def _read(path: Path, track: Markers) -> _Frames:
-    """Read the columns of a CSV file; a ValueError names one that is missing."""
-    _require_commas(path, track.file)
-    try:
-        columns = np.genfromtxt(
-            path, delimiter=",", names=True, deletechars="", loose=False, encoding="utf-8-sig"
-        )
-    except (OSError, ValueError) as error:
-        raise ValueError(
-            f"{track.file} is no table of numbers ({error}): give a CSV file, names in line 1"
-        ) from error
-    names = columns.dtype.names or ()
+#: Metres of a file's unit of length.
+_METRES = {"m": 1.0, "cm": 0.01, "mm": 1e-3}
 
-    def vectors(points: Sequence[str], prefix: str = "", unit: float = 1.0) -> Array:
+
+class _Columns:
+    """Columns of a track's CSV file by name; ValueError names what is wrong with the file."""
+
+    def __init__(self, path: Path, file: str) -> None:
+        _require_commas(path, file)
+        try:
+            self._data = np.genfromtxt(
+                path, delimiter=",", names=True, deletechars="", loose=False, encoding="utf-8-sig"
+            )
+        except (OSError, ValueError) as error:
+            raise ValueError(
+                f"{file} is no table of numbers ({error}): give a CSV file, names in line 1"
+            ) from error
+        self._file = file
+        self.names: tuple[str, ...] = self._data.dtype.names or ()
+
+    def times(self) -> Array:
+        """Return the times [s] of the frames."""
+        t = np.array([])
+        if "t" in self.names:
+            t = self._data["t"]
+        if t.size < 2 * FIRST or not (np.diff(t) > 0).all():
+            raise ValueError(
+                f"{self._file} needs a column t with {2 * FIRST} times or more, in s, in "
+                "ascending order"
+            )
+        return t
+
+    def vectors(self, points: Sequence[str], prefix: str = "") -> Array:
+        """Return the columns POINT.x to POINT.z, with a prefix of the axis, as (frames, points, 3)."""
         wanted: list[str] = []
         for point in points:
             wanted += [f"{point}.{prefix}{axis}" for axis in "xyz"]
         for column in wanted:
-            if column not in names:
+            if column not in self.names:
                 raise ValueError(
-                    f"{track.file} has no column {column}: its columns are {', '.join(names)}"
+                    f"{self._file} has no column {column}: its columns are {', '.join(self.names)}"
                 )
-        table = np.array([columns[column] for column in wanted]).T
-        return unit * table.reshape(-1, len(points), 3)
+        table = np.array([self._data[column] for column in wanted]).T
+        return table.reshape(-1, len(points), 3)
 
+
+def _read(path: Path, track: Markers) -> _Frames:
+    """Return the frames of a track's file; a ValueError names a column that is missing."""
     for side in SIDES:
         if side in track.places:
             raise ValueError(
                 f"places.{side} has the name of an end of the rope: give the marker another name"
             )
-    t = columns["t"] if "t" in names else np.array([])
-    if t.size < 2 * FIRST or not (np.diff(t) > 0).all():
-        raise ValueError(
-            f"{track.file} needs a column t with {2 * FIRST} times or more, in s, in ascending "
-            "order"
-        )
-    leaning = any(name in names for name in _DIRECTION_COLUMNS)
+    columns = _Columns(path, track.file)
+    t = columns.times()
+    leaning = any(name in columns.names for name in _DIRECTION_COLUMNS)
     if leaning and track.ends != "clamped":
         raise ValueError(
             f'{track.file} has directions, and ends = "{track.ends}" must be "clamped" to take them'
         )
-    unit = {"m": 1.0, "cm": 0.01, "mm": 1e-3}[track.unit]
+    directions = np.zeros((t.size, 0, 3))
     if leaning:
-        directions = vectors(SIDES, "d")
-    else:
-        directions = np.zeros((t.size, 0, 3))
+        directions = columns.vectors(SIDES, "d")
+    unit = _METRES[track.unit]
     return _Frames(
         t,
-        vectors(SIDES, unit=unit),
+        unit * columns.vectors(SIDES),
         directions,
-        vectors([*track.places, *track.unlabelled], unit=unit),
+        unit * columns.vectors([*track.places, *track.unlabelled]),
     )
 
 

@@ -1,9 +1,9 @@
 """A hoist's file: the hoist, its trip, controller, balance ropes and shaft.
 
 Tables are [hoist] [winding] [gains] [shaper] [trajectory] [coupling] [arrival] of the host;
-[layout] [air] [contact] [mesh] and others of all ropes; and a [[rope]] for each, with `swivels` for
-both of its own. What is left out is that of the hoist that `like` names, or follows by a rule, or
-is a default.
+[layout] [air] [contact] [mesh] and others of all ropes; and a [[rope]] for each, with ``swivels``
+for both of its own. What is left out is that of the hoist that ``like`` names, or follows by a
+rule, or is a default.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ from hoist_demo.files.values import (
     GIVEN,
     ParameterValue,
     ParameterValues,
-    Status,
     Text,
+    ValueStatus,
     read_text,
     value_type,
     with_status,
@@ -106,7 +106,7 @@ def _rope_values(table: RopeTable) -> dict[str, Any]:
 
 
 def _base(content: Any, info: ValidationInfo) -> HoistFile:
-    """Return the hoist that `like` names."""
+    """Return the hoist that ``like`` names."""
     name = read_text(content)
     if name in BUILTIN_HOISTS:
         return read_builtin(name)
@@ -129,7 +129,7 @@ class HoistFile(create_model("Tables", __base__=File, **_HOIST_FIELDS)):  # type
 
     name: Text = Field(description="of the hoist, in titles")
     source: Text = Field("", description="where the data come from")
-    status: Status = Field(GIVEN, description="of values without one")
+    status: ValueStatus = Field(GIVEN, description="of values without one")
     like: Annotated[Any, BeforeValidator(_base), WithJsonSchema({"type": "string"})] = Field(
         None, description="a hoist, by name or file, whose values count where these leave off"
     )
@@ -187,7 +187,7 @@ class HoistFile(create_model("Tables", __base__=File, **_HOIST_FIELDS)):  # type
 
 
 def _inherited(base: dict[str, Any], rope: dict[str, Any]) -> dict[str, Any]:
-    """Return what a rope inherits from the one of `like`: nothing that decides another rope."""
+    """Return what a rope inherits from the one of ``like``: nothing that decides another rope."""
     if not rope.keys() & {*_DECIDES}:
         return base
     inherited: dict[str, Any] = {}

@@ -218,7 +218,7 @@ def _trip_values(wishes: _Wishes) -> dict[str, ParameterValue]:
 
 
 def _drive_limits(wishes: _Wishes, values: ParameterValues) -> dict[str, ParameterValue]:
-    """Return the limits of motor and brake for the hoist and the trip of `values`."""
+    """Return the limits of motor and brake for the hoist and the trip of ``values``."""
     parts = data_of(values_of(values))
     winding = parts["winding"]
     balance_ropes = (wishes.ropes * wishes.rope_mass, wishes.number("depth") + TAIL_SPARE)

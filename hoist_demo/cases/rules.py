@@ -44,7 +44,7 @@ class RuleInputs:
     def torque(self, travelled: float = 0.0) -> float:
         """Return the torque at the sheave that accelerates the hoist [N m].
 
-        `travelled` is the way from a landing [m].
+        ``travelled`` is the way from a landing [m].
         """
         hoist = self.hoist
         coulomb, viscous = hoist.travel_loss
@@ -124,7 +124,34 @@ def apply_rules(
         deep = abs(float(host["winding.travel"].value))
         host["hoist.shaft_travel"] = ParameterValue(deep, DERIVED, "winding.travel")
     sections = data_of(values_of(host))
-    inputs = RuleInputs(sections["hoist"], sections["winding"], Hoist())
+    complete_ropes = _with_lengths(
+        ropes, RuleInputs(sections["hoist"], sections["winding"], Hoist())
+    )
+    _fill_in(host, sections, _require_totals_fit(host, complete_ropes))
+    require_trip_fits(sections["hoist"], sections["winding"])
+    # each line once, whatever the number of ropes that share it
+    remarks_once: dict[str, None] = {}
+    notes_once: dict[str, None] = {}
+    for rope in complete_ropes:
+        remarks_once |= dict.fromkeys(remarks(values_of({**host, **rope.values})))
+        notes_once |= dict.fromkeys(notes(sections["hoist"], rope))
+    return Case(
+        **header,
+        hoist=sections["hoist"],
+        winding=sections["winding"],
+        gains=sections["gains"],
+        host=host,
+        balance_ropes=complete_ropes,
+        rope=complete_ropes[0].parameters,
+        remarks=tuple(remarks_once),
+        notes=tuple(notes_once),
+    )
+
+
+def _with_lengths(
+    ropes: Iterable[BalanceRopeData], inputs: RuleInputs
+) -> tuple[BalanceRopeData, ...]:
+    """Return the ropes with the length by the rule and the catalogue's data where none are stated."""
     length = ParameterValue(LENGTH.value(inputs), DERIVED, LENGTH.expression, follows=True)
     filled: list[BalanceRopeData] = []
     with Problems() as problems:
@@ -132,7 +159,13 @@ def apply_rules(
             with problems.at(f"rope {k}"):
                 values = {"rope.length": length, **_of_catalogue(rope), **rope.values}
                 filled.append(replace(rope, values=values))
-    ropes = tuple(filled)
+    return tuple(filled)
+
+
+def _require_totals_fit(
+    host: Mapping[str, ParameterValue], ropes: tuple[BalanceRopeData, ...]
+) -> Hoist:
+    """Return a hoist with the sums of the ropes; ValueError where the host states others."""
     drive = rope_totals(ropes)
     stated_number = host.get("hoist.tail_rope_number")
     if stated_number is not None and stated_number.value != drive.tail_rope_number:
@@ -142,33 +175,21 @@ def apply_rules(
         )
     if any(map(_has_a_place, ropes)) or len(ropes) > 1:
         _require_totals(host, drive)
+    return drive
+
+
+def _fill_in(host: dict[str, ParameterValue], sections: dict[str, Any], drive: Hoist) -> None:
+    """Add to ``host`` and its ``sections`` what follows by RULES, each from those before it."""
     for rule in RULES:
-        if rule.key not in host:
-            value = rule.value(RuleInputs(sections["hoist"], sections["winding"], drive))
-            host[rule.key] = ParameterValue(value, DERIVED, rule.expression, follows=True)
-            section, _, field = rule.key.partition(".")
-            try:
-                sections[section] = replace(sections[section], **{field: value})
-            except ValueError as error:
-                raise ValueError(f"{section}: {error}") from error
-    require_trip_fits(sections["hoist"], sections["winding"])
-    # each line once, whatever the number of ropes that share it
-    remarks_once: dict[str, None] = {}
-    notes_once: dict[str, None] = {}
-    for rope in ropes:
-        remarks_once |= dict.fromkeys(remarks(values_of({**host, **rope.values})))
-        notes_once |= dict.fromkeys(notes(sections["hoist"], rope))
-    return Case(
-        **header,
-        hoist=sections["hoist"],
-        winding=sections["winding"],
-        gains=sections["gains"],
-        host=host,
-        balance_ropes=ropes,
-        rope=ropes[0].parameters,
-        remarks=tuple(remarks_once),
-        notes=tuple(notes_once),
-    )
+        if rule.key in host:
+            continue
+        value = rule.value(RuleInputs(sections["hoist"], sections["winding"], drive))
+        host[rule.key] = ParameterValue(value, DERIVED, rule.expression, follows=True)
+        section, _, field = rule.key.partition(".")
+        try:
+            sections[section] = replace(sections[section], **{field: value})
+        except ValueError as error:
+            raise ValueError(f"{section}: {error}") from error
 
 
 def _of_catalogue(rope: BalanceRopeData) -> dict[str, ParameterValue]:
@@ -222,7 +243,7 @@ def rope_totals(ropes: tuple[BalanceRopeData, ...]) -> Hoist:
     return hoist_with(Hoist(), masses_and_lengths)
 
 
-def with_values(case: Case, values: Mapping[str, Value | ParameterValue]) -> Case:
+def case_with_values(case: Case, values: Mapping[str, Value | ParameterValue]) -> Case:
     """Return the hoist with values as if they stood in its file; derived values follow anew."""
     if not values:
         return case

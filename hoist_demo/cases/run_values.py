@@ -9,7 +9,7 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.files.reading import (
     EMPTY,
     File,
-    Table,
+    TomlTable,
     contents,
     flat,
     path_from_file,
@@ -23,7 +23,7 @@ from rope_model import Level
 from rope_model.texts import printable
 
 
-class FileHeader(Table):
+class FileHeader(TomlTable):
     """Title, and the hoist that is wound: a file, or a name of one that the project brings."""
 
     title: Text = Field("", validate_default=True)
@@ -48,8 +48,8 @@ def _values(content: Any) -> dict[str, ParameterValue]:
 
 
 _BOTH = {SWIVELS: (group_table(SWIVELS, value_type), Field(default=None))}
-#: a table with values of runs, by name; `from` names a rope's parameter file, which counts less
-Values = Annotated[
+#: a table with values of runs, by name; ``from`` names a rope's parameter file, which counts less
+ParameterValues = Annotated[
     dict[str, ParameterValue],
     flat(
         "Values",
@@ -71,7 +71,7 @@ class RunFile(File):
     """A file of windings in process; each kind says under which name its head stands."""
 
     header: LevelHeader
-    fixed: Values = EMPTY
+    fixed: ParameterValues = EMPTY
 
     @property
     def level(self) -> Level:
@@ -84,7 +84,7 @@ class RopeAnalysisFile(KnownFile):
     They decide some of its parameters.
     """
 
-    fixed: Values = EMPTY
+    fixed: ParameterValues = EMPTY
 
     @model_validator(mode="after")
     def _is_decided_once(self) -> Self:

@@ -1,4 +1,4 @@
-"""The command `balance-rope duty`."""
+"""The command ``balance-rope duty``."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ interrupted.
 
 
 def add_duty(duty: argparse.ArgumentParser) -> None:
-    """Add description and options of the command `duty`."""
+    """Add description and options of the command ``duty``."""
     describe(duty, _duty_command, _DESCRIPTION, _EPILOG)
     duty.add_argument(
         "schedule",
@@ -128,7 +128,7 @@ def _duty_command(options: argparse.Namespace) -> int:
 def _wind_left(
     schedule: Schedule, ropes: Ropes, state: Path, interrupted: Callable[[], bool], counted: bool
 ) -> _WoundDuty:
-    """Wind the trips that are left, and save the state after each; `counted`: with exposure."""
+    """Wind the trips that are left, and save the state after each; ``counted``: with exposure."""
     from hoist_demo.duty.table import landing_warnings, place_at_rest, trip_row, trip_table
     from hoist_demo.duty.wind import read_state, wind_duty, write_state
     from hoist_demo.run.slip import slip_warnings
@@ -144,9 +144,7 @@ def _wind_left(
     if state.is_file():
         saved_rows, after = read_state(state, rope, schedule)
         rows = saved_rows[: schedule.count]
-        if counted != (station in rows[0]):
-            earlier = "without" if counted else "with"
-            raise ValueError(f"'{state}' was begun {earlier} --exposure: go on so")
+        _require_same_columns(state, station in rows[0], counted)
         print(f"{len(rows)} of {schedule.count} trips are there already")
     with progress_bar() as bar:
 
@@ -170,6 +168,13 @@ def _wind_left(
     if rows:
         trips = trip_table(rows, cycle)
     return _WoundDuty(trips, last, warnings)
+
+
+def _require_same_columns(state: Path, was_counted: bool, counted: bool) -> None:
+    """Raise ValueError if the trips that are there have the load history, and those left do not."""
+    if counted != was_counted:
+        earlier = "without" if counted else "with"
+        raise ValueError(f"'{state}' was begun {earlier} --exposure: go on so")
 
 
 def _exposure_columns(trip: WoundTrip, ropes: Sequence[RopeData]) -> dict[str, float]:
@@ -304,7 +309,7 @@ def _summary(
 def _write(trips: Recording, exposures: Mapping[str, Recording], out: Path) -> list[Path]:
     """Write the tables and the figure.
 
-    `exposures` has the table of each rope by the prefix of its names.
+    ``exposures`` has the table of each rope by the prefix of its names.
     """
     from hoist_demo.report.figures import write_duty_figure
 

@@ -1,4 +1,4 @@
-"""`balance-rope export`: the rope as an FMU, and a hoist as one system of FMUs."""
+"""``balance-rope export``: the rope as an FMU, and a hoist as one system of FMUs."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 from fmu_src.model_description import MODEL
-from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
+from fmu_src.profile import ALL, DEFAULT, OUTPUT_GROUPS, Profile
 from fmu_src.shell.build import (
     PLATFORMS,
     available_platforms,
     host_platform,
     missing_platforms,
 )
-from fmu_src.ssp import Datum, Version
+from fmu_src.ssp import SystemNumber, Version
 from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
-from hoist_demo.cases.rules import with_values
+from hoist_demo.cases.rules import case_with_values
 from hoist_demo.cases.table import BUILD, NATIVE_ENDING, find_case, fmu_name
 from hoist_demo.command_line.options import settings
 from hoist_demo.command_line.support import nonempty_path, results_folder
@@ -50,7 +50,7 @@ NAMES = {(PYTHON, 2): "", (NATIVE, 2): NATIVE_ENDING, (NATIVE, 3): "_native_fmi3
 
 
 def add_export(export: argparse.ArgumentParser) -> None:
-    """Add description and options of the command `export`."""
+    """Add description and options of the command ``export``."""
     export.description = (
         "Export the balance rope as a co-simulation FMU. The native flavour (FMI 2.0 "
         "or 3.0), the default, is the complete model in self-contained C and needs nothing on the "
@@ -134,10 +134,10 @@ def _add_description(export: argparse.ArgumentParser) -> None:
     export.add_argument(
         "--outputs",
         nargs="+",
-        choices=("all", *GROUPS),
+        choices=("all", *OUTPUT_GROUPS),
         default=list(DEFAULT),
         metavar="GROUP",
-        help=f"outputs that the FMU shows: all, or groups of {', '.join(GROUPS)} (all but shape "
+        help=f"outputs that the FMU shows: all, or groups of {', '.join(OUTPUT_GROUPS)} (all but shape "
         "and station, points along the rope and places in it, which the demo's report draws)",
     )
     export.add_argument(
@@ -281,13 +281,13 @@ def _export_system(
     return path
 
 
-def _data(case: Case, name: str, set_values: Mapping[str, Any]) -> list[Datum]:
-    """Return the hoist's data with their statuses; `set_values` replace those of its file."""
+def _data(case: Case, name: str, set_values: Mapping[str, Any]) -> list[SystemNumber]:
+    """Return the hoist's data with their statuses; ``set_values`` replace those of its file."""
     from hoist_demo.run.complete_file import hoist_provenance
     from hoist_demo.run.provenance import SETTING
 
     rows = hoist_provenance(case, name, set_values)
-    return [Datum(*row) for row in rows if row.status != SETTING]
+    return [SystemNumber(*row) for row in rows if row.status != SETTING]
 
 
 def _size(path: Path) -> str:
@@ -356,7 +356,7 @@ def _paths(out: Path | None, hoist: str, wanted: Sequence[_Wanted]) -> list[Path
 
 def _hoist(options: argparse.Namespace, set_values: Mapping[str, Any]) -> _ExportedHoist:
     """Return the hoist to export with the values that are set."""
-    case = with_values(find_case(options.hoist), set_values)
+    case = case_with_values(find_case(options.hoist), set_values)
     for remark in case.remarks:
         print(f"balance-rope: {remark}", file=sys.stderr)
     if case.distinct_ropes and not options.ssp:

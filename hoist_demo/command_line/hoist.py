@@ -1,4 +1,4 @@
-"""The commands `balance-rope new`, `show`, `check` and `rope`."""
+"""The commands ``balance-rope new``, ``show``, ``check`` and ``rope``."""
 
 import argparse
 import json
@@ -11,7 +11,7 @@ from pathlib import Path
 from hoist_demo.cases.case import BUILTIN_HOISTS
 from hoist_demo.cases.hoist_file import schema
 from hoist_demo.cases.new import WISHES, new_hoist
-from hoist_demo.cases.rules import with_values
+from hoist_demo.cases.rules import case_with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.options import SET, settings
 from hoist_demo.command_line.support import describe
@@ -38,7 +38,7 @@ lowest frequencies, the fidelity and the mesh that a run takes."""
 
 
 def add_new(new: argparse.ArgumentParser) -> None:
-    """Add description and options of the command `new`."""
+    """Add description and options of the command ``new``."""
     describe(new, _new, _NEW, _NEW_EXAMPLES)
     new.add_argument("name", metavar="NAME", help="of the hoist, and of the file NAME.toml")
     for p in WISHES:
@@ -58,17 +58,17 @@ def add_new(new: argparse.ArgumentParser) -> None:
 
 
 def add_show(show: argparse.ArgumentParser) -> None:
-    """Add description and options of the command `show`."""
+    """Add description and options of the command ``show``."""
     _add(show, everything=True)
 
 
 def add_check(check: argparse.ArgumentParser) -> None:
-    """Add description and options of the command `check`."""
+    """Add description and options of the command ``check``."""
     _add(check, everything=False)
 
 
 def _add(show: argparse.ArgumentParser, *, everything: bool) -> None:
-    """Add description and options that `show` and `check` have."""
+    """Add description and options that ``show`` and ``check`` have."""
     describe(show, partial(_show, everything=everything), _SHOW, "")
     show.add_argument(
         "hoist", metavar="HOIST", help=f"a file, or one of {', '.join(BUILTIN_HOISTS)}"
@@ -77,7 +77,7 @@ def _add(show: argparse.ArgumentParser, *, everything: bool) -> None:
 
 
 def add_rope(rope: argparse.ArgumentParser) -> None:
-    """Add description and options of the command `rope`."""
+    """Add description and options of the command ``rope``."""
     text = "Print the catalogue's ropes, or one as [[rope]] of a file."
     describe(rope, _rope, text, "example: balance-rope rope 34x7 --diameter 52mm")
     rope.add_argument(
@@ -164,7 +164,7 @@ def _noted(notes: Iterable[str]) -> list[str]:
 
 
 def _show(options: argparse.Namespace, everything: bool) -> int:
-    """Print a hoist's check; with `everything` also its file, and what follows from it."""
+    """Print a hoist's check; with ``everything`` also its file, and what follows from it."""
     # slow imports
     from hoist_demo.design.hoist_checks import HoistCheck, checks
     from hoist_demo.report.hoist import check_in_words, consequences_text
@@ -172,7 +172,7 @@ def _show(options: argparse.Namespace, everything: bool) -> int:
     from hoist_demo.run.complete_file import as_file
 
     values = settings(options.set, parameters())
-    case = with_values(find_case(options.hoist), values)
+    case = case_with_values(find_case(options.hoist), values)
     if everything:
         print(as_file(case, options.hoist, values))
     bounds = checks(case)

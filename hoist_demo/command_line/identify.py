@@ -1,4 +1,4 @@
-"""The command `balance-rope identify`."""
+"""The command ``balance-rope identify``."""
 
 import argparse
 import sys
@@ -27,7 +27,7 @@ interrupted, with nothing written.
 
 
 def add_identify(identify: argparse.ArgumentParser) -> None:
-    """Add description and options of the command `identify`."""
+    """Add description and options of the command ``identify``."""
     describe(identify, _identify, _DESCRIPTION, _EPILOG)
     text = "what was measured, see docs/reference/files.md"
     identify.add_argument("measured", type=Path, metavar="MEASURED.toml", help=text)

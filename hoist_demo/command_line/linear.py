@@ -1,4 +1,4 @@
-"""The commands `balance-rope linearise` and `balance-rope modes`."""
+"""The commands ``balance-rope linearise`` and ``balance-rope modes``."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ docs/howto/control.md.
 
 
 def add_linearise(linearise: argparse.ArgumentParser) -> None:
-    """Add description and options of the command `linearise`."""
+    """Add description and options of the command ``linearise``."""
     _add(linearise, "linearise", _linearise, _LINEARISE)
     text = "of the left conveyance, upwards (%(default)s)"
     linearise.add_argument("--speed", type=float, default=0.0, metavar="M/S", help=text)
@@ -61,7 +61,7 @@ def add_linearise(linearise: argparse.ArgumentParser) -> None:
 
 
 def add_modes(modes: argparse.ArgumentParser) -> None:
-    """Add description and options of the command `modes`."""
+    """Add description and options of the command ``modes``."""
     _add(modes, "modes", _modes, _MODES)
     modes.add_argument(
         "--count",
@@ -95,7 +95,7 @@ def _add(command: argparse.ArgumentParser, name: str, run: RunCommand, descripti
 
 def _hoist(options: argparse.Namespace) -> Case:
     """Return the hoist; ValueError for a band that holds no response."""
-    from hoist_demo.design.reduction import SLOWEST
+    from hoist_demo.design.reduced_model import SLOWEST
 
     if not SLOWEST < options.band < math.inf:
         raise ValueError(
@@ -139,11 +139,23 @@ def _followed(bar: tqdm[NoReturn]) -> Callable[[float], None]:
     return move
 
 
+def _bar(title: str) -> tqdm[NoReturn]:
+    """Return a bar of progress on a terminal, from 0 to 1."""
+    return tqdm(
+        total=1.0,
+        desc=title,
+        bar_format=_BAR,
+        file=sys.stderr,
+        leave=False,
+        disable=None,
+    )
+
+
 def _modes(options: argparse.Namespace) -> int:
     """Write all modes of a hoist up to a frequency, and print those that the torque moves most."""
     import numpy as np
 
-    from hoist_demo.design.linear_model import PARTS, Modes
+    from hoist_demo.design.linear_model import PARTS, UndampedModes
     from hoist_demo.design.linearise import linearise, linearise_hoist
     from hoist_demo.design.reduction import modal_participation
     from hoist_demo.report.linear_figures import write_modes_figure
@@ -158,17 +170,10 @@ def _modes(options: argparse.Namespace) -> int:
     models = linearise(case, options.at, options.swivels, level=case.level)
     head = ("at", "frequency [Hz]", "damping", "felt by the drive", *PARTS)
     rows: list[list[float]] = []
-    modes: list[Modes] = []
+    modes: list[UndampedModes] = []
     print("".join(f"{name:>18}" for name in head), flush=True)
     for model in models:
-        with tqdm(
-            total=1.0,
-            desc=f"at {model.at:g}",
-            bar_format=_BAR,
-            file=sys.stderr,
-            leave=False,
-            disable=None,
-        ) as bar:
+        with _bar(f"at {model.at:g}") as bar:
             of_model = model.modes(band, _followed(bar))
         modes.append(of_model)
         felt = modal_participation(model.selected(*_CHANNELS), of_model, band)
@@ -176,9 +181,10 @@ def _modes(options: argparse.Namespace) -> int:
         columns = (at, of_model.frequencies, of_model.damping, felt, of_model.shares.T)
         table = np.column_stack(columns)
         rows += table.tolist()
-        for j in np.sort(np.argsort(-felt)[: options.count]):
-            quantities = [f"{x:18.4g}" for x in table[j, : -len(PARTS)]]
-            shares = [f"{x:18.2f}" for x in table[j, -len(PARTS) :]]
+        most_felt = np.sort(np.argsort(-felt)[: options.count])
+        for row in table[most_felt].tolist():
+            quantities = [f"{x:18.4g}" for x in row[: -len(PARTS)]]
+            shares = [f"{x:18.2f}" for x in row[-len(PARTS) :]]
             print("".join([*quantities, *shares]), flush=True)
     with (
         whole_file(out / "modes.csv") as draft,

@@ -57,7 +57,7 @@ _DUTY = "wind many trips as one run, each from where the last has left the rope"
 
 
 class _Command(NamedTuple):
-    """Command of `balance-rope`, whose module is imported only when the command is asked for."""
+    """Command of ``balance-rope``, whose module is imported only when the command is asked for."""
 
     name: str
     describe: str  # module:function, which adds description and options to the command's parser

@@ -1,4 +1,4 @@
-"""Options of `balance-rope wind`, and values for one run: `NAME=VALUE` and files of parameters."""
+"""Options of ``balance-rope wind``, and values for one run: ``NAME=VALUE`` and files."""
 
 import argparse
 from collections.abc import Iterable, Mapping

@@ -1,4 +1,4 @@
-"""Summary and files of a run of `balance-rope wind`."""
+"""Summary and files of a run of ``balance-rope wind``."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -139,7 +139,7 @@ class WrittenTables(NamedTuple):
 def write_tables(wound: WoundRun, directory: Path, signals: Sequence[str]) -> WrittenTables:
     """Write tables and figures of a run, and its hoist's file; without a row no signals.
 
-    `signals` are the columns of signals.csv, none: the usual. Tables along one of several ropes
+    ``signals`` are the columns of signals.csv, none: the usual. Tables along one of several ropes
     begin with its name.
     """
     from hoist_demo.report.figures import write_figures

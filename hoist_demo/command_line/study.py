@@ -1,4 +1,4 @@
-"""The command `balance-rope study`."""
+"""The command ``balance-rope study``."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ file or arguments, 130 interrupted.
 
 
 def add_study(study: argparse.ArgumentParser) -> None:
-    """Add description and options of the command `study`."""
+    """Add description and options of the command ``study``."""
     describe(study, _study, _DESCRIPTION, _EPILOG)
     study.add_argument(
         "study", type=Path, metavar="STUDY.toml", help="what to vary, see docs/reference/files.md"

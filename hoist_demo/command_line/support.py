@@ -44,7 +44,7 @@ def add_results(command: argparse.ArgumentParser, name: str) -> None:
 
 
 def results_folder(out: Path) -> Path:
-    """Make the folder ``out`` and return it; ValueError as by `writable`."""
+    """Make the folder ``out`` and return it; ValueError as by ``writable``."""
     writable(out).mkdir(parents=True, exist_ok=True)
     return out
 
@@ -76,7 +76,7 @@ def nonempty_path(text: str) -> Path:
 
 
 class _Output(io.FileIO):
-    """Output that is dropped once its reader is gone, as in `| head`.
+    """Output that is dropped once its reader is gone, as in ``| head``.
 
     The command goes on to its exit code.
     """

@@ -1,4 +1,4 @@
-"""The command `balance-rope uncertain`."""
+"""The command ``balance-rope uncertain``."""
 
 import argparse
 import os
@@ -34,7 +34,7 @@ exit code: 0 all windings count, 1 some stopped or were left out, 2 wrong file o
 
 
 def add_uncertain(uncertain: argparse.ArgumentParser) -> None:
-    """Add description and options of the command `uncertain`."""
+    """Add description and options of the command ``uncertain``."""
     describe(uncertain, _uncertain, _DESCRIPTION, _EPILOG)
     uncertain.add_argument(
         "scene", type=Path, metavar="SCENE.toml", help="what is wound, see docs/reference/files.md"

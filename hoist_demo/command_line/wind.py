@@ -1,4 +1,4 @@
-"""The command `balance-rope wind`, also called `demo`."""
+"""The command ``balance-rope wind``, also called ``demo``."""
 
 import argparse
 import sys
@@ -47,7 +47,7 @@ from hoist_demo.recording.ropes import computed
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.report.rows import Report, SummaryRow, render, render_verdict
 from hoist_demo.run.data import RunData, build_single_trip, contradictions, fmu_part
-from hoist_demo.run.probe import Probe
+from hoist_demo.run.probe import FmuProbe
 from hoist_demo.run.provenance import host_provenance
 from hoist_demo.run.ropes import OneRope, Ropes, ropes_of
 from hoist_demo.run.wind import wind_run
@@ -86,7 +86,7 @@ is written all the same), 2 wrong arguments, 130 interrupted (what is kept is sa
 
 
 def add_wind(wind: argparse.ArgumentParser) -> None:
-    """Add description and options of the command `wind`."""
+    """Add description and options of the command ``wind``."""
     describe(wind, _wind_command, _DESCRIPTION, _EPILOG)
     names = f"{', '.join(BUILTIN_HOISTS)} ({DEFAULT_HOIST}, or that of --resume)"
     text = f"hoist, trip, controller, ropes: a file, or one of {names}"
@@ -397,7 +397,7 @@ def _rope_in_fmu(
     run: RunData,
     overrides: Mapping[str, Value],
 ) -> Ropes:
-    """Return the hoist's rope in an FMU, which is asked whether it takes the values of `overrides`."""
+    """Return the hoist's rope in an FMU, which may refuse the values of ``overrides``."""
     if options.level:
         raise ValueError(
             f"--level {options.level} is for --in-process; an FMU has the level of its export: "
@@ -405,7 +405,7 @@ def _rope_in_fmu(
         )
     outputs = read_outputs(fmu)
     shown = match_signals(_patterns(options, case), [*DRIVE_UNITS, *outputs])
-    probe = Probe(fmu)
+    probe = FmuProbe(fmu)
     probe.require_hoist(run)
     if fmu_part(overrides):
         probe.require_start(run)

@@ -9,7 +9,7 @@ travel, F_loss the known friction at the reference speed. The three terms that f
 are the feed-forward; a share of them between 0 (plain PI) and 1 is used. The command is cut at the
 limits of torque and power, and the integral then stands still as long as it would push further
 (conditional integration; K. J. Astrom and T. Hagglund, Advanced PID Control, 2006, section 3.5). In
-an emergency stop with the safety brake the motor is off, and `emergency_brake` gives the brake's
+an emergency stop with the safety brake the motor is off, and ``emergency_brake`` gives the brake's
 command.
 """
 
@@ -147,7 +147,8 @@ class Controller(Protocol):
 
     Its memory from sample to sample is in the state of its command, and nowhere else: the host
     takes samples back, and saves and restores them. The state is any plain data, see
-    `hoist_demo.cosimulation.participants.plain_data`, and the host hands over a copy, which may be changed.
+    ``hoist_demo.cosimulation.participants.plain_data``, and the host hands over a copy, which may
+    be changed.
     """
 
     def command(
@@ -155,7 +156,7 @@ class Controller(Protocol):
     ) -> Command:
         """Command for the step of length h [s] that begins now.
 
-        `state` is that of the last command, None at first.
+        ``state`` is that of the last command, None at first.
         """
 
 
@@ -170,9 +171,9 @@ class SpeedController:
     """
 
     def __init__(self, hoist: Hoist, holding_torque: Scalar, gains: Any = None) -> None:
-        """`holding_torque` [N m] is the motor's torque at rest at the start.
+        """``holding_torque`` [N m] is the motor's torque at rest at the start.
 
-        It and the `gains` may be symbols; default: `Gains`.
+        It and the ``gains`` may be symbols; default: ``Gains``.
         """
         self._gains = Gains() if gains is None else gains
         self._radius = hoist.sheave_radius
@@ -206,7 +207,7 @@ class SpeedController:
         integral: Scalar,
         h: Scalar,
     ) -> LawResult:
-        """Return the command, also of symbols; `motion` is s, v, a of the reference."""
+        """Return the command, also of symbols; ``motion`` is s, v, a of the reference."""
         force, error = self.force(motion, travel, speed, integral)
         unlimited = self._holding_torque + self._radius * force
         limit = self._hoist.torque_available(speed / self._radius)

@@ -30,7 +30,7 @@ def law_kernel(structure: Hoist) -> Any:
     """Return SpeedController.law as a function of one vector that gives RESULTS.
 
     The vector has ARGUMENTS, Gains and the hoist's numbers. One text for all hoists of this
-    `Hoist.equation_structure`.
+    ``Hoist.equation_structure``.
     """
     gains = {field.name: ca.SX.sym(field.name) for field in fields(Gains)}
     arguments = ca.SX.sym("arguments", len(ARGUMENTS))

@@ -65,7 +65,7 @@ class Trajectory:
 
     starts: tuple[float, ...]  # s, ascending, one per segment, the last is where rest begins
     points: tuple[TrajectoryPoint, ...]  # motion at each start
-    #: Emergency stop with the brake; its `elapsed` is that at time 0: minus the time of the trip.
+    #: Emergency stop with the brake; its ``elapsed`` is that at time 0: minus the time of the trip.
     trip: Braking | None = None
 
     @property
@@ -104,7 +104,7 @@ class Trajectory:
 
 
 def s_curve(winding: Winding) -> Trajectory:
-    """Return the trip of `winding` from rest to rest, with its emergency stop if it has one."""
+    """Return the trip of ``winding`` from rest to rest, with its emergency stop if it has one."""
     j = math.copysign(winding.jerk, winding.travel)
     if winding.creeps:
         signs, times = _creep_profile(winding)
@@ -127,7 +127,7 @@ def s_curve(winding: Winding) -> Trajectory:
 
 
 def with_emergency_stop(trip: Trajectory, at: float, winding: Winding) -> Trajectory:
-    """`trip` with an emergency stop from time `at` [s] on, by the law of `winding`."""
+    """``trip`` with an emergency stop from time ``at`` [s] on, by the law of ``winding``."""
     stop = emergency_stop(trip, at, winding.emergency_deceleration, winding.emergency_jerk)
     if winding.emergency_law == "drive":
         return stop
@@ -135,7 +135,7 @@ def with_emergency_stop(trip: Trajectory, at: float, winding: Winding) -> Trajec
 
 
 def emergency_stop(trip: Trajectory, at: float, deceleration: float, jerk: float) -> Trajectory:
-    """Return `trip` up to time `at` [s], then braked to standstill within these limits.
+    """Return ``trip`` up to time ``at`` [s], then braked to standstill within these limits.
 
     They are in m/s^2 and m/s^3.
     """
@@ -176,7 +176,7 @@ class _Phases(NamedTuple):
 
 
 def _phases(distance: float, speed: float, acceleration: float, jerk: float) -> _Phases:
-    """Return the durations of a trip of `distance` [m]."""
+    """Return the durations of a trip of ``distance`` [m]."""
     ramp = _ramp(speed, acceleration, jerk)
     distance_to_speed = speed * (2.0 * ramp.jerk + ramp.constant)
     if distance >= distance_to_speed:
@@ -191,7 +191,7 @@ def _phases(distance: float, speed: float, acceleration: float, jerk: float) -> 
 
 
 def _ramp(change: float, acceleration: float, jerk: float) -> _Ramp:
-    """Return the durations of a `change` of speed [m/s]."""
+    """Return the durations of a ``change`` of speed [m/s]."""
     if change * jerk >= acceleration**2:
         t_jerk = acceleration / jerk
         return _Ramp(t_jerk, change / acceleration - t_jerk)
@@ -265,7 +265,7 @@ def _held_speeds(winding: Winding) -> list[_HeldSpeed]:
 
 
 def _highest_speed(winding: Winding, between: float, ramps: Callable[[float], float]) -> float:
-    """Return the highest speed [m/s] whose two `ramps` [m] fit `between` the creeps [m].
+    """Return the highest speed [m/s] whose two ``ramps`` [m] fit ``between`` the creeps [m].
 
     The length of the ramps grows with the speed.
     """
@@ -293,9 +293,9 @@ def chain(
     times: Sequence[float],
     end: float | None,
 ) -> Trajectory:
-    """Return segments of given jerk and duration from `point` at t [s], then rest at `end` [m].
+    """Return segments of given jerk and duration from ``point`` at t [s], then rest at ``end`` [m].
 
-    None for `end` stands for where the segments lead.
+    None for ``end`` stands for where the segments lead.
     """
     starts: list[float] = []
     points: list[TrajectoryPoint] = []
@@ -314,7 +314,7 @@ def chain(
 
 
 def _cut(trip: Trajectory, at: float, continuation: Trajectory) -> Trajectory:
-    """Join `trip` before time `at` [s] and `continuation` from it on."""
+    """Join ``trip`` before time ``at`` [s] and ``continuation`` from it on."""
     before = bisect_left(trip.starts, at)
     return Trajectory(
         trip.starts[:before] + continuation.starts, trip.points[:before] + continuation.points
@@ -326,7 +326,7 @@ class Course:
     """The trip as it is wound: its reference, and its data with the stop that there was.
 
     The safety circuit stops the hoist by the law of its winding. A guard of the balance rope's loop
-    opens it, or head ropes whose pull on a conveyance is below `Hoist.slack_tension`. The stop
+    opens it, or head ropes whose pull on a conveyance is below ``Hoist.slack_tension``. The stop
     begins at the first sample that sees the trip. One that is under way already stays as it is, and
     a reference that has come to rest needs none.
     """
@@ -335,7 +335,7 @@ class Course:
     winding: Winding
 
     def with_emergency_stop(self, at: float) -> Course:
-        """Return the course with an emergency stop from `at` [s] on, if none has begun before."""
+        """Return the course with an emergency stop from ``at`` [s] on, if none has begun before."""
         begun = self.winding.emergency_at
         if at >= self.trajectory.duration or (begun is not None and begun <= at):
             return self

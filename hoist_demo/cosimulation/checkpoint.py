@@ -1,7 +1,7 @@
 """The last good state of a run in a file, to be looked at or to go on from.
 
 A NumPy archive: the fields of Checkpoint as text, and their arrays by name, as
-`recording.signals['time']`.
+``recording.signals['time']``.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ class Checkpoint:
 
     @staticmethod
     def read(path: Path) -> Checkpoint:
-        """Read a file that `write` made in this version; raise ValueError for any other."""
+        """Read a file that ``write`` made in this version; raise ValueError for any other."""
         here = version("balance-rope")
         try:
             with np.load(path, allow_pickle=False) as file:

@@ -1,39 +1,27 @@
 """Advance of a trip in C, by trip.c, up to the next sample that the host in Python must process.
 
 It takes what most trips have: the scheme gauss-seidel-1, the speed controller, head ropes that hold
-on the sheave, a rope in a library, and a C compiler. All else goes on in `host.Host`, with the same
-bits.
+on the sheave, a rope in a library, and a C compiler. All else goes on in ``host.Host``, with the
+same bits.
 """
 
 import logging
 import math
 from ctypes import CDLL, addressof, byref, c_int, c_void_p, cast
-from dataclasses import astuple, fields
-from functools import cache
-from importlib.resources import files
-from itertools import product
+from dataclasses import astuple
 from subprocess import CalledProcessError
 from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from hoist_demo.control.controller import Command, ControllerState, Gains
-from hoist_demo.control.kernel import ARGUMENTS, RESULTS, law_kernel
-from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint
-from hoist_demo.cosimulation.drive_signals import OUTPUT_COLUMNS, ROW, WORK_COLUMNS
-from hoist_demo.cosimulation.participants.c_structures import (
-    Member,
-    SharedStructure,
-    definition,
-    fields_of,
-)
-from hoist_demo.cosimulation.participants.fmi_versions import DISCARD, WARNING
+from hoist_demo.control.kernel import ARGUMENTS
+from hoist_demo.control.trajectory import Trajectory
+from hoist_demo.cosimulation.drive_signals import ROW
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.hoist_partner import DriveCommand
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
 from hoist_demo.cosimulation.participants.library_calls import (
-    CALLS,
-    FUNCTIONS,
     LOG_WARNINGS,
     Access,
     OutputTable,
@@ -48,145 +36,13 @@ from hoist_demo.cosimulation.schemes.interface import (
     RopePlant,
     Sample,
 )
+from hoist_demo.cosimulation.trip_library import SIDE_INPUTS, STOPS, Trip, TripSample, trip_library
 from hoist_demo.cosimulation.trip_plan import TripPlan
-from hoist_demo.drive import integrator, plant
-from hoist_demo.drive.equations import FORCES, INPUT_NAMES, STATE_NAMES, WORK_NAMES
-from hoist_demo.drive.kernels import generate_c
-from hoist_demo.drive.outputs import OUTPUT_INDEX, OUTPUTS
 from hoist_demo.drive.plant import SIDE_FORCES
-from hoist_demo.parameters import Hoist
-from hoist_demo.recording.time_series import TIME
-from rope_model import SIDES, EndMotion, Status
-from rope_model.codegen.build import sources as rope_sources
-from rope_model.compiler import cache_folder, compile_library, find_compiler, last_words
+from rope_model import Status
+from rope_model.compiler import last_words
 
 _log = logging.getLogger(__name__)
-#: Headers of the rope that trip.c includes, with those that they include.
-_ROPE_HEADERS = ("rope.h", "parameters.h", "interface_structures.h")
-#: Ends of a call: well, before a sample that the host must process, or the part that has failed.
-_STOPS = ("WELL", "LOOK", "DRIVE", *CALLS)
-_MOTIONS = tuple(field.name for field in fields(EndMotion))
-#: Names of an end's motion in OUTPUTS, where they are others.
-_OUTPUT_NAMES = {"vy": "v", "ay": "a"}
-_NO_OUTPUT = -1  #: Place of a motion that the hoist does not have, as one that leans.
-#: Places in OUTPUTS of the motions of both ends.
-_ENDS = [
-    OUTPUT_INDEX.get(f"{_OUTPUT_NAMES.get(name, name)}_{side}", _NO_OUTPUT)
-    for side, name in product(SIDES, _MOTIONS)
-]
-_MEMORY = ("arg", "res", "iw", "w")  #: Memory of a function of CasADi.
-_SIDES = slice(INPUT_NAMES.index("fx_left"), len(INPUT_NAMES))
-#: Signals at which blocks or single numbers of a row of the record begin, by names in trip.c.
-_COLUMNS = {
-    "TIME": TIME,
-    "REFERENCE": "reference.position",
-    "TORQUE_COMMAND": "drive.torque_command",
-    "TORQUE_LIMITED": "drive.torque_limited",
-    "SLIP": "drive.slip",
-    "SLIP_SPEED": "drive.slip_speed",
-    "COUPLING_ENERGY": "coupling.energy",
-    "EXCHANGES": "coupling.exchanges",
-    "OUTPUTS": OUTPUT_COLUMNS[0],
-    "WORK_TOTALS": WORK_COLUMNS[0],
-}
-_INTEGRATOR_CONSTANTS = (
-    "MIN_STEP",
-    "SAFETY",
-    "MIN_FACTOR",
-    "MAX_FACTOR",
-    "MIN_ERROR",
-    "ORDER",
-    "STEP_ROUNDING",
-)
-#: Numbers of trip.c that are those of all hoists, by name.
-_NUMBERS: dict[str, float] = {
-    **{name: getattr(integrator, name) for name in _INTEGRATOR_CONSTANTS},
-    "MIN_ROPE": plant.MIN_ROPE,
-    "HISTORY": HISTORY,
-    "WARNING": WARNING,
-    "DISCARD": DISCARD,
-    "INPUTS": len(INPUT_NAMES),
-    "TORQUE": INPUT_NAMES.index("torque_command"),
-    "FORCE": FORCES[0],
-    "SIDES": _SIDES.start,
-    "PHI": STATE_NAMES.index("phi"),
-    "WORK_COUNT": integrator.WORK_COUNT,
-    "JERK": TrajectoryPoint._fields.index("jerk"),
-    "OUTPUTS": len(OUTPUTS),
-    "LAW_RESULTS": len(RESULTS),
-    **{f"LAW_{name.upper()}": k for k, name in enumerate(RESULTS)},
-    **{f"{name.upper()}_WORK": WORK_NAMES.index(name) for name in SIDES},
-    **{name.upper(): OUTPUT_INDEX[name] for name in ("y_left", "a_left", "pull_left", "rate")},
-    **{name.upper(): ARGUMENTS.index(name) for name in ("travel", "speed", "integral")},
-    **{f"AS_{name}": k for k, name in enumerate(FUNCTIONS)},
-    **{f"COLUMN_{name}": ROW.index(signal) for name, signal in _COLUMNS.items()},
-}
-
-
-class TripSample(SharedStructure):
-    """Forces and motions of the interface at one communication point."""
-
-    members = (
-        Member("t", "double"),
-        Member("force", "double", length=2),
-        Member("mean", "double", length=2),
-        Member("acceleration", "double", length=2),
-    )
-    _fields_ = fields_of(members)
-
-
-class Trip(SharedStructure):
-    """Arguments and state of a trip in C."""
-
-    members = (
-        # the drive
-        Member("drive", "Kernel *", "one substep of the drive"),
-        Member("z", "double *", "its arguments"),
-        Member("y", "double *", "its results"),
-        Member("law_arguments", "double *"),
-        # the rope; accesses without a function where it lacks one
-        Member("step", "Access"),
-        Member("motions", "Access"),
-        Member("valid", "Access"),
-        Member("forces", "Access"),
-        Member("sides", "Access"),
-        Member("guard", "Access"),
-        Member("recorded", "const Access *"),
-        Member("warning", "RopeWarning *"),
-        Member("warned", "char *", "1 for each warning that was logged"),
-        Member("text", "char *", "of a warning"),
-        Member("log_warnings", "LogWarnings *"),
-        Member("records", "int", "number of recorded accesses"),
-        Member("warnings", "int", "number of warnings"),
-        Member("watched", "int", "not 0 while the safety circuit is watched"),
-        # the trip
-        Member("per_sample", "int", "steps"),
-        Member("per_step", "int", "commands"),
-        Member("start", "double", "s"),
-        Member("H", "double", "s, communication step"),
-        Member("period", "double", "s, of samples"),
-        Member("radius", "double", "m, of the sheave"),
-        Member("start_height", "double", "m, of the left conveyance"),
-        Member("ropes", "double", "number of tail ropes"),
-        Member("slack_tension", "double", "N"),
-        Member("reference", "const Reference *", "of all commands of the trip"),
-        # its state
-        Member("samples", "TripSample *", "the last ones, oldest first"),
-        Member("row", "double *", "of the record, where the first sample goes"),
-        Member("columns", "size_t", "of a row"),
-        Member("step_next", "double", "s, of the drive"),
-        Member("torque", "double", "N m, commanded"),
-        Member("integral", "double", "of the controller"),
-        Member("residual", "double", "J, energy that the coupling adds"),
-        Member("exchanges", "double"),
-        Member("drive_time", "double", "s, wall time"),
-        Member("rope_time", "double", "s, wall time"),
-        Member("sample_count", "int"),
-        Member("steps", "int"),
-        Member("evaluations", "int", "of the drive"),
-        Member("status", "int", "of the rope's latest call"),
-    )
-    _fields_ = fields_of(members, (Access,))
 
 
 class SampleReached(NamedTuple):
@@ -201,7 +57,7 @@ class CompiledTrip:
     """The trip of a run in C; the rows of its samples and its state are the run's."""
 
     def __init__(self, plan: TripPlan, run: RunState, rope: RopeLibrary, max_samples: int) -> None:
-        """`max_samples` are those of one call."""
+        """``max_samples`` are those of one call."""
         hoist = plan.hoist
         coupling = plan.coupling
         start_height, _ = plan.start_heights
@@ -210,7 +66,7 @@ class CompiledTrip:
         self._rope = rope
         self._plan = plan
         self._drive = drive
-        self._library = _library(hoist.equation_structure, drive.kernels)
+        self._library = trip_library(hoist.equation_structure, drive.kernels)
         self._advance = CDLL(str(drive.kernels.library)).advance
         self._law_arguments = _law_arguments(plan, run)
         names = run.recorder.names[len(ROW) :]
@@ -271,7 +127,7 @@ class CompiledTrip:
             return None
 
     def wind_samples(self, first: int, last: int) -> SampleReached:
-        """Wind the samples from `first` to before `last`, and the steps behind each."""
+        """Wind the samples from ``first`` to before ``last``, and the steps behind each."""
         run = self._run
         trip = self._trip
         if self._brake_stops():
@@ -283,7 +139,7 @@ class CompiledTrip:
         rows = run.recorder.following
         reached = c_int(first)
         trip.row = rows.ctypes.data
-        stop = _STOPS[self._library.trip_samples(byref(trip), byref(reached), last)]
+        stop = STOPS[self._library.trip_samples(byref(trip), byref(reached), last)]
         self._rope.log_warnings()
         done = reached.value - first
         if stop not in ("WELL", "LOOK"):
@@ -344,7 +200,7 @@ class CompiledTrip:
             kept.force[:] = sample.force
             kept.mean[:] = sample.mean
             kept.acceleration[:] = sample.acceleration
-        trip.sample_count = len(scheme_state.samples)
+        trip.kept_samples = len(scheme_state.samples)
         trip.step_next = state.step_next
         trip.steps = run.steps
         if run.controller is None:
@@ -367,14 +223,14 @@ class CompiledTrip:
         )
         run.drive.set_state(state, last["applied_input"], last["outputs"])
         run.scheme_state = run.scheme_state._replace(
-            samples=tuple(map(_sample_of, self._samples[: trip.sample_count])),
+            samples=tuple(map(_sample_of, self._samples[: trip.kept_samples])),
             exchanges=int(trip.exchanges),
             residual=trip.residual,
         )
         run.controller = ControllerState(trip.integral)
         run.steps = trip.steps
         run.commands = [Command(trip.torque, limited=False, state=run.controller)]
-        side_forces = self._drive.arguments["path"][_SIDES]
+        side_forces = self._drive.arguments["path"][SIDE_INPUTS]
         run.drive.command(DriveCommand(trip.torque, brake=0.0), side_forces)
         self._drive.evaluations += trip.evaluations
         self._plan.clocks.drive.wall += trip.drive_time
@@ -425,47 +281,3 @@ def _sample_of(kept: TripSample) -> Sample:
         mean=np.array(kept.mean),
         acceleration=np.array(kept.acceleration),
     )
-
-
-@cache
-def _library(structure: Hoist, kernels: integrator.DriveKernels) -> CDLL:
-    """Compile and load trip.c for hoists with these parts; RuntimeError without a C compiler."""
-    compiler = find_compiler()
-    if compiler is None:
-        raise RuntimeError("no C compiler found")
-    law = law_kernel(structure)
-    sources = {
-        "trip.c": files(__package__).joinpath("trip.c").read_text(encoding="utf-8"),
-        **{name: rope_sources()[name] for name in _ROPE_HEADERS},
-        "numbers.h": _numbers_header(law, kernels),
-        "structures.h": "\n".join(map(definition, (Access, TripSample, Trip))),
-        "law.c": generate_c((law,), "law"),
-    }
-    return CDLL(str(compile_library(sources, compiler, cache_folder(), "hoist_trip")))
-
-
-def _numbers_header(law: Any, kernels: integrator.DriveKernels) -> str:
-    """Return the text of numbers.h: numbers and types of trip.c that follow from Python."""
-    argument = kernels.argument_slices
-    result = kernels.result
-    numbers = _NUMBERS | {
-        **{f"AT_{name.upper()}": argument[name].start for name in ("s", "h", "path", "l0")},
-        **{
-            f"AT_{name.upper()}": result[name].start for name in ("work_totals", "error", "outputs")
-        },
-        "REACHED": result["work_totals"].stop,
-        "SIZE": result["outputs"].stop,
-        **{f"SZ_{name.upper()}": _memory_size(name, law, kernels.advance) for name in _MEMORY},
-    }
-    defines = "".join(f"#define {name} {value!r}\n" for name, value in numbers.items())
-    places = ", ".join(map(str, _ENDS))
-    return (
-        f"{defines}"
-        f"typedef enum {{ {', '.join(_STOPS)} }} Stop;\n"
-        f"static const int ENDS_OUTPUTS[] = {{{places}}};\n"
-    )
-
-
-def _memory_size(name: str, law: Any, advance: Any) -> int:
-    """Return the size of a working array that serves both functions of CasADi."""
-    return 1 + max(int(getattr(function, f"sz_{name}")()) for function in (law, advance))

@@ -9,8 +9,8 @@ from itertools import product
 from hoist_demo.control.controller import Command
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
-from hoist_demo.cosimulation.schemes.interface import SchemeState, Vector
-from hoist_demo.drive.equations import LOSS_NAMES, WORK_NAMES
+from hoist_demo.cosimulation.schemes.interface import SchemeState
+from hoist_demo.drive.coordinates import LOSS_NAMES, WORK_NAMES
 from hoist_demo.drive.outputs import OUTPUT_INDEX, tension_ratio
 from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.recording.time_series import TIME, Recording
@@ -89,19 +89,16 @@ ROW = (
 )
 
 
-def drive_row(
+def numbers_of_exchange(
     t: float,
     reference: TrajectoryPoint,
     command: Command,
     drive: HoistPartner,
     scheme_state: SchemeState,
-) -> tuple[tuple[float, ...], Vector, Vector]:
-    """Return a row of the drive's record in parts.
-
-    They are numbers of exchange and control, OUTPUTS, and works.
-    """
+) -> tuple[float, ...]:
+    """Return the numbers of control, slip and exchange in a row, those of ROW before OUTPUT_COLUMNS."""
     slip_state = drive.state.slip_state
-    numbers = (
+    return (
         t,
         reference.position,
         reference.speed,
@@ -114,7 +111,6 @@ def drive_row(
         scheme_state.residual,
         scheme_state.exchanges,
     )
-    return numbers, drive.outputs, drive.state.work_totals
 
 
 def with_drive_signals(rows: Recording, hoist: Hoist) -> Recording:

@@ -6,8 +6,8 @@
 T is H unless the controller samples less often; where it samples more often, T is H and the drive
 calls it within its step. A rope or drive that cannot go on, or a coupling that cannot be solved,
 ends the loop; the record stays, and the result names the cause. A guard of the rope that trips, and
-head ropes that go slack, stop the hoist (`Course`) at the next sample. The state is saved every
-SAVE_INTERVAL, and where the user stops the run, as a checkpoint, from which `run` goes on.
+head ropes that go slack, stop the hoist (``Course``) at the next sample. The state is saved every
+SAVE_INTERVAL, and where the user stops the run, as a checkpoint, from which ``run`` goes on.
 """
 
 import logging
@@ -78,9 +78,9 @@ class Host:
     ) -> None:
         """Prepare a trip; None stands for the defaults.
 
-        `controller` makes a controller of the hoist and the motor's torque at rest [N m]; default:
-        SpeedController. `trajectory` replaces the winding's S-curve, `scheme` the one that
-        `coupling` names. `neighbours` are the trips of a duty before and after this one.
+        ``controller`` makes a controller of the hoist and the motor's torque at rest [N m];
+        default: SpeedController. ``trajectory`` replaces the winding's S-curve, ``scheme`` the one
+        that ``coupling`` names. ``neighbours`` are the trips of a duty before and after this one.
         """
         hoist = hoist or Hoist()
         winding = winding or Winding()
@@ -114,11 +114,11 @@ class Host:
         resume: Checkpoint | None = None,
         name: str = "",
     ) -> Result:
-        """Wind once; `progress` is called at every sample and may stop the run.
+        """Wind once; ``progress`` is called at every sample and may stop the run.
 
         When the run stops before its end, its last good state is in the result and is written to
-        `save_to`, with the `name` or file of the hoist; ValueError at the first sample for a
-        controller whose state cannot be written. With `resume` the run goes on from such a state,
+        ``save_to``, with the ``name`` or file of the hoist; ValueError at the first sample for a
+        controller whose state cannot be written. With ``resume`` the run goes on from such a state,
         with the same bits as if it had never stopped.
         """
         if resume is not None:
@@ -169,7 +169,7 @@ class Host:
     def _wind_samples(
         self, run: RunState, progress: Progress | None, save_to: Path | None
     ) -> Status:
-        """Sample and exchange until the end, or until a step fails or `progress` stops the run."""
+        """Sample and exchange until the end, a failure, or a stop by ``progress``."""
         plan = self.plan
         sampling = Sampling(plan, run, make_controller(plan, run.holding_torque))
         last = plan.sample_count
@@ -225,7 +225,7 @@ class Host:
     def _wind_in_c(
         self, compiled: CompiledTrip, run: RunState, first: int, last: int
     ) -> SampleReached:
-        """Wind samples from `first` to before `last` in C, and the rest of a step that C leaves."""
+        """Wind samples from ``first`` to before ``last`` in C, and what C leaves of a step."""
         reached = compiled.wind_samples(first, last)
         if not (reached.status.valid and reached.within):
             return reached

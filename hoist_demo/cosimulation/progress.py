@@ -13,7 +13,7 @@ _LAYOUT = "winding {percentage:3.0f}% |{bar}| {desc} [{elapsed} < {remaining}]"
 
 @contextmanager
 def progress_bar() -> Iterator[Callable[[float, float], bool]]:
-    """Yield a progress callback for `Host.run`: a bar on stderr where that is a terminal."""
+    """Yield a progress callback for ``Host.run``: a bar on stderr where that is a terminal."""
     with tqdm(total=100.0, bar_format=_LAYOUT, file=sys.stderr, leave=False, disable=None) as bar:
 
         def advance(fraction: float, t: float) -> bool:

@@ -7,7 +7,7 @@ from typing import Any
 
 from hoist_demo.control.controller import Command, Controller, Measurement, SpeedController
 from hoist_demo.control.trajectory import Course, TrajectoryPoint
-from hoist_demo.cosimulation.drive_signals import drive_row
+from hoist_demo.cosimulation.drive_signals import numbers_of_exchange
 from hoist_demo.cosimulation.participants.hoist_partner import DriveCommand
 from hoist_demo.cosimulation.run_state import RunState
 from hoist_demo.cosimulation.schemes.interface import Vector
@@ -34,11 +34,12 @@ class Sampling:
         run = self._run
         point = self._reference(t)
         command = self._command(point, run.drive.outputs, run.controller)
-        run.recorder.add(*drive_row(t, point, command, run.drive, run.scheme_state), signals)
+        numbers = numbers_of_exchange(t, point, command, run.drive, run.scheme_state)
+        run.recorder.add(numbers, run.drive.outputs, run.drive.state.work_totals, signals)
         return command
 
     def command_within_step(self, k: int, t: float, outputs: Vector) -> DriveCommand:
-        """Return the k-th command within a communication step, see `NextCommand`."""
+        """Return the k-th command within a communication step, see ``NextCommand``."""
         run = self._run
         # the step may be repeated, from the command before
         state = deepcopy(run.commands[k - 1].state)

@@ -28,7 +28,7 @@ def save_state(run: RunState, k: int) -> None:
 def checkpoint_of(plan: TripPlan, run: RunState, *, cause: str, hoist: str) -> Checkpoint | None:
     """Return the saved state with the cause of the stop; None if no state was saved.
 
-    `hoist` is the name or file that the checkpoint states.
+    ``hoist`` is the name or file that the checkpoint states.
     """
     saved = run.saved
     if saved is None:

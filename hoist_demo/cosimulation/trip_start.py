@@ -8,7 +8,7 @@ from hoist_demo.cosimulation.run_state import RopeReaders, RunState
 from hoist_demo.cosimulation.schemes import interface
 from hoist_demo.cosimulation.schemes.interface import CoupledSystem, Vector
 from hoist_demo.cosimulation.trip_plan import TripPlan
-from hoist_demo.drive.equations import FORCES, INPUT_NAMES
+from hoist_demo.drive.coordinates import FORCES, INPUT_NAMES, TORQUE, TORQUE_COMMAND
 from hoist_demo.drive.plant import SIDE_FORCES, HoistPlant
 from hoist_demo.recording.time_series import Recorder
 from rope_model import EndMotion
@@ -30,7 +30,7 @@ def start_run(plan: TripPlan) -> RunState:
     rest = plant.equilibrium(*plan.start_heights, *forces[:2].tolist())
     state = rest
     applied_input = np.zeros(len(INPUT_NAMES))
-    applied_input[0] = rest.x[0]
+    applied_input[TORQUE_COMMAND] = rest.x[TORQUE]
     applied_input[list(FORCES)] = forces[:2]
     if before is not None:
         state = before.plant
@@ -65,13 +65,13 @@ def _hanging_forces(plan: TripPlan, read: interface.Reader) -> Vector:
 
 
 def _recorder(plan: TripPlan, names: list[str]) -> Recorder:
-    """Return a recorder of all signals; `names` are those of the rope that the drive lacks."""
+    """Return a recorder of all signals; ``names`` are those of the rope that the drive lacks."""
     units = plan.rope.units() | DRIVE_UNITS
     return Recorder([*ROW, *names], units, plan.sample_count + 1)
 
 
 def _readers(plan: TripPlan, names: list[str]) -> RopeReaders:
-    """Return readers of the rope's signals; `names` are those that are recorded."""
+    """Return readers of the rope's signals; ``names`` are those that are recorded."""
     return RopeReaders(
         signals=plan.rope.reader(names),
         side_forces=plan.rope.reader(SIDE_FORCES),

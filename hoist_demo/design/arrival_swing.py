@@ -7,10 +7,11 @@ The speed loop is closed, and friction at the rim is viscous, as tanh is at rest
 so that neither a held sheave nor a free one is taken, but the sheave as the controller holds it. Of a trip of constant
 jerks a mode takes up its response to a torque over the square of its frequency.
 
-The poles are those of a small model as long as its own measured error is within the bounds of `reduction`. Where no
-number of states is enough, they are sought on the sparse model itself: from the highest peak of the swing on the
-imaginary axis by the secant method on 1 / swing(s), which converges to the poles that matter.
-Source: J. Rommes and N. Martins, IEEE Trans. Power Syst. 21, 2006 (dominant poles).
+The poles are those of a small model as long as its own measured error is within the bounds of
+``reduction``. Where no number of states is enough, they are sought on the sparse model itself: from
+the highest peak of the swing on the imaginary axis by the secant method on 1 / swing(s), which
+converges to the poles that matter. Source: J. Rommes and N. Martins, IEEE Trans. Power Syst. 21,
+2006 (dominant poles).
 """
 
 from dataclasses import dataclass
@@ -19,16 +20,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.cases.case import Case
-from hoist_demo.design.linear_model import Array, LinearModel
+from hoist_demo.design.krylov_basis import NoSmallModel
+from hoist_demo.design.linear_model import LinearModel
 from hoist_demo.design.linearise import linearise
-from hoist_demo.design.reduction import SLOWEST, NoSmallModel, ReducedModel, reduced
+from hoist_demo.design.reduced_model import SLOWEST, ReducedModel
+from hoist_demo.design.reduction import reduced
+from rope_model.arrays import Array
 
 LASTING = 0.3  #: Damping ratio of a mode that swings after an arrival, at most.
 BAND = 2.0  #: Upper end of the frequencies that count [Hz].
-INPUTS = ("torque_command", "torque")
-OUTPUTS = ("rate", "y_left", "angle", "y_right")
-_RATE, _Y_LEFT, _ANGLE, _Y_RIGHT = range(len(OUTPUTS))
-_COMMAND, _TORQUE = range(len(INPUTS))
+SWING_INPUTS = ("torque_command", "torque")
+SWING_OUTPUTS = ("rate", "y_left", "angle", "y_right")
+_RATE, _Y_LEFT, _ANGLE, _Y_RIGHT = range(len(SWING_OUTPUTS))
+_COMMAND, _TORQUE = range(len(SWING_INPUTS))
 _STEPS = 30  #: Of the secant method, at most; from a peak it takes about eight.
 _CONVERGED = 1e-8  #: Last step of the secant method over the pole.
 _PEAKS = 5  #: Peaks from which poles of the sparse model are sought.
@@ -60,7 +64,7 @@ class SpeedLoop:
         hoist = case.hoist
         gains = case.gains
         rim = hoist.sheave_radius
-        error = np.zeros(len(OUTPUTS))
+        error = np.zeros(len(SWING_OUTPUTS))
         error[_RATE] = -rim
         error[_Y_LEFT] = -gains.position
         proportional = rim * gains.speed
@@ -76,7 +80,7 @@ class SpeedLoop:
     @property
     def swings(self) -> Array:
         """Heights of both conveyances against the ropes' ends at the sheave (2, outputs)."""
-        rows = np.zeros((2, len(OUTPUTS)))
+        rows = np.zeros((2, len(SWING_OUTPUTS)))
         rows[0, _Y_LEFT] = 1.0
         rows[0, _ANGLE] = -self.rim
         rows[1, _Y_RIGHT] = 1.0
@@ -86,21 +90,21 @@ class SpeedLoop:
     @property
     def gain(self) -> Array:
         """What is fed back at once (inputs, outputs)."""
-        gain = np.zeros((len(INPUTS), len(OUTPUTS)))
+        gain = np.zeros((len(SWING_INPUTS), len(SWING_OUTPUTS)))
         gain[_COMMAND] = self.proportional * self.error
         gain[_TORQUE, _RATE] = -self.rubbing
         return gain
 
 
 def swing_at_arrival(case: Case, start: float) -> ArrivalSwing:
-    """Return the swing after a trip that begins with the left conveyance at height `start` [m].
+    """Return the swing after a trip that begins with the left conveyance at height ``start`` [m].
 
     ValueError where neither a small model nor the sparse one has such a swing.
     """
     hoist = case.hoist
     at = min(max((start + case.winding.travel) / hoist.shaft_travel, 0.0), 1.0)
     (model,) = linearise(case, [at])
-    selected = model.selected(INPUTS, OUTPUTS)
+    selected = model.selected(SWING_INPUTS, SWING_OUTPUTS)
     loop = SpeedLoop.of(case)
     try:
         small = reduced([selected], band=BAND)
@@ -132,9 +136,9 @@ def _pole_of_small(small: ReducedModel, loop: SpeedLoop) -> complex | None:
     D = small.D[0]
     gain = loop.gain
     # u = gain y + the integral part's torque, with y = C X + D u
-    inverse = np.linalg.inv(np.eye(len(INPUTS)) - gain @ D)
-    fed_back = inverse @ np.column_stack((gain @ C, np.eye(len(INPUTS))[_COMMAND]))
-    outputs = np.column_stack((C, np.zeros(len(OUTPUTS)))) + D @ fed_back
+    inverse = np.linalg.inv(np.eye(len(SWING_INPUTS)) - gain @ D)
+    fed_back = inverse @ np.column_stack((gain @ C, np.eye(len(SWING_INPUTS))[_COMMAND]))
+    outputs = np.column_stack((C, np.zeros(len(SWING_OUTPUTS)))) + D @ fed_back
     states = np.column_stack((A, np.zeros(len(A)))) + B @ fed_back
     closed = np.vstack((states, loop.integral * (loop.error @ outputs)))
     poles, shapes = np.linalg.eig(closed)
@@ -168,7 +172,7 @@ def _closed(model: LinearModel, loop: SpeedLoop, s: Complex) -> Complex:
     H = model.response(s)
     feedback = np.broadcast_to(loop.gain, (len(s), *loop.gain.shape)).astype(complex)
     feedback[:, _COMMAND] += loop.integral / s[:, None] * loop.error
-    u = np.linalg.inv(np.eye(len(INPUTS)) - feedback @ H)[:, :, _COMMAND]
+    u = np.linalg.inv(np.eye(len(SWING_INPUTS)) - feedback @ H)[:, :, _COMMAND]
     return np.asarray(np.einsum("oy,syu,su->so", loop.swings, H, u))
 
 

@@ -12,13 +12,13 @@ from itertools import pairwise
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from scipy.linalg import null_space
 
-Array = NDArray[np.float64]
+from rope_model.arrays import Array
+
 #: Eigenvalues in ascending order, and vectors (coordinates, modes) of unit mass.
-Modes = tuple[Array, Array]
-Solver = Callable[[sp.csc_matrix, sp.csc_matrix], Modes]
+Eigenpairs = tuple[Array, Array]
+Eigensolver = Callable[[sp.csc_matrix, sp.csc_matrix], Eigenpairs]
 
 
 def equal_ropes(names: Sequence[str], matrices: Sequence[sp.csc_matrix]) -> list[list[range]]:
@@ -35,9 +35,9 @@ def equal_ropes(names: Sequence[str], matrices: Sequence[sp.csc_matrix]) -> list
 
 
 def modes_of_fewer(
-    K: sp.csc_matrix, M: sp.csc_matrix, groups: Sequence[Sequence[range]], solve: Solver
-) -> Modes:
-    """Return the modes that `solve` finds, with the modes of equal ropes from those of one of them."""
+    K: sp.csc_matrix, M: sp.csc_matrix, groups: Sequence[Sequence[range]], solve: Eigensolver
+) -> Eigenpairs:
+    """Return the modes that ``solve`` finds; those of equal ropes follow from one of them."""
     merged = merged_coordinates(K.shape[0], groups)
     squares, shapes = solve((merged.T @ K @ merged).tocsc(), (merged.T @ M @ merged).tocsc())
     all_squares = [squares]

@@ -15,9 +15,9 @@ from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
 
 from hoist_demo.design.equal_ropes import equal_ropes, merged_coordinates, modes_of_fewer
-from hoist_demo.design.sparse_modes import Progress, sparse_modes
+from hoist_demo.design.sparse_modes import BandProgress, sparse_modes
+from rope_model.arrays import Array
 
-Array = NDArray[np.float64]
 #: What moves in a mode: the hoist, or the rope along its legs, in the loop's plane, out of it, or about itself.
 PARTS = ("hoist", "vertical", "in plane", "out of plane", "twist")
 #: Coordinates up to which all modes at once take less time than those of a band.
@@ -27,10 +27,10 @@ _DIRECTION = (1, 0, 2, 1, 0, 2, 3)  #: Of a node's coordinates, by PARTS behind 
 
 
 @dataclass(frozen=True)
-class Modes:
+class UndampedModes:
     """Undamped modes: frequencies [Hz], damping ratios of the diagonal of D, shapes (coordinates, modes) of unit mass.
 
-    `shares` (PARTS, modes) are the parts of the kinetic energy.
+    ``shares`` (PARTS, modes) are the parts of the kinetic energy.
     """
 
     frequencies: Array
@@ -44,7 +44,7 @@ class _Finder:
     """Finds modes up to a square of the angular frequency, and tells which part of all problems is done."""
 
     largest: float  # 1/s^2
-    progress: Progress
+    progress: BandProgress
     problems: int
     done: int = 0
 
@@ -67,10 +67,10 @@ class _Finder:
 class LinearModel:
     """A model in its sparse second-order form, SI units.
 
-    Coordinates come in the order of `names`: free ones, those `held` whose accelerations are inputs, those that lag.
-    A rope's are "rope.NODE.k", k from 0 to 6 for r, r' and theta; of ropes that differ "rope.NAME.NODE.k", and their
-    outputs begin with their names. `rest_inputs` and `rest_outputs` are the values from
-    which u and y count; outputs that have none rest at 0.
+    Coordinates come in the order of ``names``: free ones, those ``held`` whose accelerations are
+    inputs, those that lag. A rope's are "rope.NODE.k", k from 0 to 6 for r, r' and theta; of ropes
+    that differ "rope.NAME.NODE.k", and their outputs begin with their names. ``rest_inputs`` and
+    ``rest_outputs`` are the values from which u and y count; outputs that have none rest at 0.
     """
 
     at: float  # height of the left conveyance over the travel
@@ -92,6 +92,11 @@ class LinearModel:
     def free(self) -> int:
         """Number of coordinates that vibrate."""
         return len(self.names) - self.held - self.lags
+
+    @property
+    def driven(self) -> list[int]:
+        """Held coordinates that an input moves."""
+        return [k for k in range(self.free, self.free + self.held) if self.B[k].any()]
 
     def response(self, s: Iterable[complex]) -> NDArray[np.complex128]:
         """Transfer functions (len(s), outputs, inputs) at complex frequencies [rad/s]."""
@@ -121,10 +126,10 @@ class LinearModel:
         chosen = sp.eye(len(self.names), format="csc")[:, moves]
         return chosen @ merged_coordinates(len(names), groups)
 
-    def modes(self, highest: float, progress: Progress = lambda part: None) -> Modes:
+    def modes(self, highest: float, progress: BandProgress = lambda part: None) -> UndampedModes:
         """Return the modes up to a frequency [Hz], held coordinates at rest and without what lags.
 
-        `progress` hears which part of the band is done.
+        ``progress`` hears which part of the band is done.
         """
         n = self.free
         K, M = (0.5 * (A + A.T)[:n, :n].tocsc() for A in (self.stiffness, self.mass))
@@ -143,7 +148,7 @@ class LinearModel:
         ]
         energy = shapes * (M @ shapes)
         shares = np.array([energy[[part == x for x in kind]].sum(axis=0) for part in PARTS])
-        return Modes(omega / (2 * np.pi), damping, shapes, shares)
+        return UndampedModes(omega / (2 * np.pi), damping, shapes, shares)
 
     def selected(self, inputs: Iterable[str], outputs: Iterable[str]) -> LinearModel:
         """Return the model with these inputs and outputs only; ValueError for others than it has."""

@@ -1,9 +1,10 @@
 """Linear models of hoist and balance ropes at rest or at constant speed, anywhere along the trip.
 
-The coordinates x of `linear_model` are those of the hoist, of the ropes' nodes, and of what lags behind: motor torque
-and brake. The rope's part is `rope_model.analysis.linear`, the hoist's `linear_hoist`.
-Ropes and conveyances share the heights of the ends; each of n equal ropes counts n times. Rows
-of M are 0 for what lags. Sideways motion and yaw of the conveyances are given: their accelerations are inputs.
+The coordinates x of ``linear_model`` are those of the hoist, of the ropes' nodes, and of what lags
+behind: motor torque and brake. The rope's part is ``rope_model.analysis.linear``, the hoist's
+``linear_hoist``. Ropes and conveyances share the heights of the ends; each of n equal ropes counts
+n times. Rows of M are 0 for what lags. Sideways motion and yaw of the conveyances are given: their
+accelerations are inputs.
 
 At constant speed the lengths of head ropes and legs are frozen.
 """
@@ -210,7 +211,7 @@ def _is_moved(spec: LinearRopeSpec, rope: LinearRope, name: str) -> bool:
 def _carried(
     spec: LinearRopeSpec, rope: LinearRope, first: int, shared: Mapping[str, int], size: int
 ) -> sp.csc_matrix:
-    """Return a rope's coordinates by those of the model: its own from `first` on, its ends' by the `shared` ones."""
+    """Return a rope's coordinates by the model's: own from ``first`` on, the ends' ``shared``."""
     ends = _end_coordinates(rope)
     entries = [(k, first + j, 1.0) for j, k in enumerate(np.flatnonzero(rope.free).tolist())]
     # yaw turns the left end against theta; a swivel that turns freely does not feel it

@@ -6,10 +6,11 @@ conveyances,
 
     K = rho / 2 (leg_L v_L^2 + leg_R v_R^2) ,   V = rho g [ leg_L (y_L - leg_L / 2) + leg_R (y_R - leg_R / 2) ] ,
 
-so that their forces are F = -(M a + c) with the M and c of Lagrange's equation. The drive's accelerations are linear in
-the forces, a = a_0 + B F. The controller is that of `hoist_demo.control`, continuous in time, and the motor torque
-lags. Bending, waves and all lateral motion of the rope are left out; a trip that was designed here is verified on the
-complete rope.
+so that their forces are F = -(M a + c) with the M and c of Lagrange's equation. The drive's
+accelerations are linear in the forces, a = a_0 + B F. The controller is that of
+``hoist_demo.control``, continuous in time, and the motor torque lags. Bending, waves and all
+lateral motion of the rope are left out; a trip that was designed here is verified on the complete
+rope.
 
 State x = (s, v, a of the reference; p, y_L, y_R; p', v_L, v_R; torque / R; integral part), measured from the start at
 rest, with p = R phi at the sheave's rim; the heights' deviations are those from the start. The input is the
@@ -21,14 +22,14 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from hoist_demo.control.controller import Gains, SpeedController
-from hoist_demo.drive.equations import FORCES, INPUT_NAMES, STATE_NAMES, equations
+from hoist_demo.drive.coordinates import FORCES, INPUT_NAMES, STATE_NAMES, TORQUE
+from hoist_demo.drive.equations import equations
 from hoist_demo.drive.plant import HoistPlant, PlantState
 from hoist_demo.parameters import GRAVITY, Hoist
+from rope_model.arrays import Array
 
-Vector = NDArray[np.float64]
 #: Names of the states, in their order.
 STATES = (
     "s",
@@ -60,7 +61,7 @@ class LowFidelityModel:
     rates: Any  # ca.Function (x, jerk) -> x'
     # ca.Function (s, v, a of the reference) -> force at the rim of a full feed-forward [N]
     feed_forward: Any
-    start: Vector  # by STATES
+    start: Array  # by STATES
 
 
 def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> LowFidelityModel:
@@ -73,7 +74,7 @@ def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> L
     R = hoist.sheave_radius
     weights = [-GRAVITY * hoist.tail_rope_mass * leg for leg in _legs(hoist, y_left, y_right)]
     rest = plant.hanging_state(y_left, y_right, *weights)
-    held = float(rest.x[0]) / R
+    held = float(rest.x[TORQUE]) / R
 
     # the controller; forces at the rim
     reference = ca.SX.sym("r", 3)

@@ -72,7 +72,7 @@ def optimise(
 ) -> Trajectory:
     """Return the optimised trip; a solver that does not converge is an error with its status.
 
-    `start` is the height of the left conveyance before the trip [m]; None: at the landing.
+    ``start`` is the height of the left conveyance before the trip [m]; None: at the landing.
     """
     require_no_creep(winding)
     left = start_heights(hoist, winding)[0] if start is None else start

@@ -28,7 +28,7 @@ def impulses(shaper: Shaper) -> tuple[tuple[float, float], ...]:
 
 
 def shape(trip: Trajectory, shaper: Shaper) -> Trajectory:
-    """Return `trip` convolved with the shaper's impulses; it arrives later by the last impulse's time."""
+    """Return ``trip`` convolved with the shaper's impulses; the last of them delays it."""
     sequence = impulses(shaper)
     starts = sorted({start + delay for start in trip.starts for delay, _ in sequence})
     points = []

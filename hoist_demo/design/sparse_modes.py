@@ -12,11 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, splu
 
-Array = NDArray[np.float64]
-Progress = Callable[[float], None]  #: Hears which part of the band is done.
+from rope_model.arrays import Array
+
+BandProgress = Callable[[float], None]  #: Hears which part of the band is done.
 #: Modes that one run of ARPACK finds: more take longer each, fewer need more factorisations.
 MAX_MODES_PER_RUN = 40
 #: First lower bound of the eigenvalues [1/s^2], below the rounding of motions without stiffness.
@@ -37,9 +37,9 @@ class _Shifted:
 
 
 def sparse_modes(
-    K: sp.csc_matrix, M: sp.csc_matrix, highest: float, progress: Progress
+    K: sp.csc_matrix, M: sp.csc_matrix, highest: float, progress: BandProgress
 ) -> tuple[Array, Array]:
-    """Return eigenvalues up to `highest` [1/s^2] in ascending order and vectors (n, modes) of unit mass.
+    """Return ascending eigenvalues up to ``highest`` [1/s^2], and vectors (n, modes) of unit mass.
 
     Raises RuntimeError, with the band, where ARPACK does not find all that are there.
     """

@@ -28,8 +28,9 @@ class StaticSlipSafety:
 def pulls(hoist: Hoist, height: float, acceleration: float = 0.0) -> tuple[float, float]:
     """Return the tensions of all head ropes at the sheave, left and right [N].
 
-    `height` is that of the left conveyance [m], `acceleration` its own, upwards [m/s^2]; the balance ropes hang in two
-    legs, whose lengths differ by twice the conveyances' distance from the middle.
+    ``height`` is that of the left conveyance [m], ``acceleration`` its own, upwards [m/s^2]; the
+    balance ropes hang in two legs, whose lengths differ by twice the conveyances' distance from the
+    middle.
     """
     tensions = []
     for mass, y, sign in (

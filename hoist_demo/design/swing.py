@@ -8,9 +8,9 @@ import warnings
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from rope_model.arrays import Array
+
 _NO_MODE = "no single damped mode fits what swings"
 
 

@@ -18,9 +18,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from rope_model.arrays import Array
+
 FIRST_STEP = 0.2  #: Radius of the trust region at the start, in parts of the ranges.
 LAST_STEP = 5e-3  #: Radius of the trust region at the end, in parts of the ranges.
 

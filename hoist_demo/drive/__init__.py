@@ -1,4 +1,4 @@
 """The hoist as a model: motor, sheave, head ropes and conveyances.
 
-Reads as legs -> equations -> integrator -> plant.
+Reads as coordinates -> friction -> legs -> sliding -> equations -> integrator -> plant.
 """

@@ -9,25 +9,13 @@ With Lagrange's equation,
     K = 1/2 (m_s - m_m) (R phi')^2 + 1/2 m_m (R phi' + R delta')^2 + sum_i K_i ,
     V = 1/2 k delta^2 + sum_i V_i
 
-with K_i and V_i of either side from `legs.py`, and the brake's F_max z / z_max, of its torque times
-the pressure p. The ropes hold on the sheave; where a hoist has a lining, `plant.py` finds when they
-slide over the wrap angle alpha, towards the side of the larger tension T_1 (Euler and Eytelwein),
-
-    T_1 - mu_r w^2 = exp(mu alpha) (T_2 - mu_r w^2) ,
-
-where ropes of the mass mu_r per length and the speed w press on the sheave by that much less. The
-lining takes F = T_1 - T_2 from them, and the tensions follow F through the accelerations:
-T_2 = T_20 + T_2' F. So
-
-    F = (exp(mu alpha) - 1) max(T_20 - mu_r w^2, 0) / (1 - (exp(mu alpha) - 1) T_2') ,   T_2' < 0 ,
-
-as F slows the ropes' sliding, which the slack side resists. The mass of the ropes on the sheave
-itself is neglected. A row of Lagrange's equation holds a leg up to the sheave's top point, through
-which mu_r |w| kg/s flow: its load on the sheave is the tension less mu_r w^2 / 2, on both sides
-alike.
+with K_i and V_i of either side from ``legs.py``, and friction from ``friction.py``. The ropes hold
+on the sheave, or slide on its lining: ``sliding.py``. A row of Lagrange's equation holds a leg up
+to the sheave's top point, through which mu_r |w| kg/s flow: its load on the sheave is the tension
+less mu_r w^2 / 2, on both sides alike.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
@@ -36,60 +24,24 @@ from typing import Any, NamedTuple
 import casadi as ca
 import numpy as np
 
-from hoist_demo.drive.legs import Coordinate, Friction, Leg, make_leg
+from hoist_demo.drive.coordinates import (
+    ACCELERATIONS,
+    FORCES,
+    INPUT_NAMES,
+    LATERAL,
+    Coordinates,
+)
+from hoist_demo.drive.friction import DryFriction, brake_friction, rim_friction
+from hoist_demo.drive.legs import Leg, make_leg
+from hoist_demo.drive.sliding import Sliding, sliding_friction
 from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.parameters.hoist import with_numbers
 
-#: First entries of every state.
-STATE_NAMES = ("torque", "phi", "y_left", "y_right", "phi_rate", "v_left", "v_right")
-INPUT_NAMES = (
-    *("torque_command", "force_left", "force_right", "brake"),
-    *(f"{name}_{side}" for side, name in product(SIDES, ("fx", "fz", "my"))),
-)
-WORK_NAMES = ("motor", "losses", "ropes", "left", "right")
-LOSS_NAMES = ("rim", "guides", "brake", "shaft", "lining")  #: The parts of the losses.
-#: Places of the two vertical forces in an input.
-FORCES = tuple(INPUT_NAMES.index(f"force_{side}") for side in SIDES)
-#: Places of the two vertical accelerations in the rates.
-ACCELERATIONS = tuple(STATE_NAMES.index(f"v_{side}") for side in SIDES)
-_LATERAL = ("x", "z", "yaw")  #: Coordinates of a conveyance between its guides.
 _ROPE_FORCES = ("y", "x", "z", "yaw")  #: Coordinates on which a balance rope's end acts.
 
 
-def extra_coordinates(hoist: Hoist) -> tuple[str, ...]:
-    """Names of the coordinates that the hoist has beyond phi, y_left and y_right."""
-    names: list[str] = []
-    if hoist.drive_shaft is not None:
-        names.append("twist")
-    modes = range(1, hoist.head_rope_modes + 1)
-    names += [f"eta{j}_{side}" for side, j in product(SIDES, modes)]
-    if hoist.play is not None:
-        names += [f"{name}_{side}" for side, name in product(SIDES, _LATERAL)]
-    if hoist.lining is not None:
-        names.append("slip")
-    return tuple(names)
-
-
-def state_names(hoist: Hoist) -> tuple[str, ...]:
-    """Names of all states of a hoist.
-
-    They are STATE_NAMES, further coordinates, their rates, the brake's pressure, all deflections.
-    Ropes that slide have the distance slip [m] that they have slid, positive as the sheave's
-    rotation, and their sense.
-    """
-    extra = extra_coordinates(hoist)
-    names = [*STATE_NAMES, *extra, *(f"{name}_rate" for name in extra)]
-    if hoist.brake is not None:
-        names += ["brake_pressure", "brake_deflection"]
-    jammed = [side for side in SIDES if getattr(hoist, f"jam_{side}") is not None]
-    names += [f"jam_deflection_{side}" for side in jammed]
-    if hoist.lining is not None:
-        names.append("sense")
-    return tuple(names)
-
-
 @dataclass(frozen=True)
-class Equations:
+class HoistEquations:
     """CasADi functions of hoists with the same parts.
 
     Arguments are the state x, the input u, the free lengths l0 and the hoist's numbers p.
@@ -103,22 +55,6 @@ class Equations:
     hold: Any  # (x, l0, p) -> motor torque that holds the state at rest
     #: (x, a, u, l0, p) -> mass matrix times accelerations less forces, tensions; of ropes that hold
     lagrange: Any
-
-
-class Coordinates:
-    """Symbols of q and q' by name."""
-
-    def __init__(self, structure: Hoist) -> None:
-        self.names = ("phi", "y_left", "y_right", *extra_coordinates(structure))
-        self.q = ca.SX.sym("q", len(self.names))
-        self.v = ca.SX.sym("v", len(self.names))
-
-    def __call__(self, name: str) -> Coordinate:
-        """Coordinate and its rate; zeros where the hoist lacks it."""
-        if name not in self.names:
-            return Coordinate(0.0, 0.0)
-        k = self.names.index(name)
-        return Coordinate(self.q[k], self.v[k])
 
 
 class _Energies(NamedTuple):
@@ -175,7 +111,7 @@ class _Parts(NamedTuple):
     legs: Sequence[Leg]
     rotation: _Energies  # of sheave, shaft and motor
     rim: Any  # N, friction at the sheave's rim
-    brake: Friction
+    brake: DryFriction
 
     @property
     def play_damping(self) -> Any:
@@ -190,13 +126,6 @@ class _Lagrange(NamedTuple):
     forces: Any
 
 
-class _Sliding(NamedTuple):
-    """Friction of head ropes that slide, and the accelerations under it."""
-
-    lining: Friction
-    accelerations: Any
-
-
 class _StateChange(NamedTuple):
     """State of a hoist, and its rate."""
 
@@ -205,8 +134,8 @@ class _StateChange(NamedTuple):
 
 
 @cache
-def equations(structure: Hoist) -> Equations:
-    """Return the equations of motion of all hoists of this `Hoist.equation_structure`."""
+def equations(structure: Hoist) -> HoistEquations:
+    """Return the equations of motion of all hoists of this ``Hoist.equation_structure``."""
     symbols = _symbols(structure)
     parts = _parts(symbols)
     energies = _energies(parts)
@@ -224,7 +153,7 @@ def equations(structure: Hoist) -> Equations:
     at_rest = [state.x, symbols.free_lengths, symbols.numbers]
     powers = _powers(symbols, parts, sliding.lining)
     outputs = _outputs(symbols, parts, energies, sliding.accelerations)
-    return Equations(
+    return HoistEquations(
         rates=_function("rates", arguments, state.rates),
         powers=_function("powers", arguments, powers),
         outputs=_function("outputs", arguments, outputs),
@@ -262,8 +191,8 @@ def _parts(symbols: _Symbols) -> _Parts:
             for side, l0 in zip(SIDES, lengths, strict=True)
         ],
         rotation=_rotation(hoist, coords),
-        rim=_rim_friction(hoist, symbols.rim_speed),
-        brake=_brake_friction(hoist, inputs["brake"], symbols.rim_speed),
+        rim=rim_friction(hoist, symbols.rim_speed),
+        brake=brake_friction(hoist, inputs["brake"], symbols.rim_speed),
     )
 
 
@@ -311,12 +240,12 @@ def _tensions(symbols: _Symbols, legs: Sequence[Leg], a: Any) -> list[Any]:
     ]
 
 
-def _sliding(symbols: _Symbols, lagrange: _Lagrange, legs: Sequence[Leg]) -> _Sliding:
+def _sliding(symbols: _Symbols, lagrange: _Lagrange, legs: Sequence[Leg]) -> Sliding:
     """Return the lining's friction, and the accelerations that solve Lagrange's equation."""
     names = symbols.coords.names
     along_slip: Any = ca.DM(np.array([name == "slip" for name in names], dtype=float))
     factors = ca.ldl(lagrange.mass_matrix)
-    return _sliding_friction(
+    return sliding_friction(
         symbols.hoist,
         a_stick=ca.ldl_solve(lagrange.forces, *factors),
         a_per_force=ca.ldl_solve(along_slip, *factors),
@@ -325,8 +254,8 @@ def _sliding(symbols: _Symbols, lagrange: _Lagrange, legs: Sequence[Leg]) -> _Sl
     )
 
 
-def _state_change(symbols: _Symbols, parts: _Parts, sliding: _Sliding) -> _StateChange:
-    """Return the state, in the order of `state_names`, and its rate."""
+def _state_change(symbols: _Symbols, parts: _Parts, sliding: Sliding) -> _StateChange:
+    """Return the state, in the order of ``state_names``, and its rate."""
     q = symbols.coords.q
     v = symbols.coords.v
     a = sliding.accelerations
@@ -342,7 +271,7 @@ def _state_change(symbols: _Symbols, parts: _Parts, sliding: _Sliding) -> _State
     )
 
 
-def _powers(symbols: _Symbols, parts: _Parts, lining: Friction) -> Any:
+def _powers(symbols: _Symbols, parts: _Parts, lining: DryFriction) -> Any:
     """Return the powers [W], in the order of WORK_NAMES and LOSS_NAMES."""
     coords = symbols.coords
     guide_losses = [
@@ -404,10 +333,22 @@ def _motor(hoist: Hoist, torque: ca.SX, torque_command: ca.SX, rate: ca.SX) -> _
     return _Motor(ca.fmin(ca.fmax(torque, -available), available), lag)
 
 
-def _rim_friction(hoist: Hoist, rim_speed: ca.SX) -> ca.SX:
-    """Return the friction at the sheave's rim [N]."""
-    coulomb = hoist.loss_coulomb * ca.tanh(rim_speed / hoist.loss_speed)
-    return coulomb + hoist.loss_viscous * rim_speed
+def _rotation(hoist: Hoist, coords: Coordinates) -> _Energies:
+    """Return the energies of sheave, shaft and motor."""
+    rate = coords("phi").rate
+    twist, twist_rate = coords("twist")
+    R = hoist.sheave_radius
+    shaft = hoist.drive_shaft
+    if shaft is None:
+        return _Energies(hoist.sheave_mass * (R * rate) ** 2 / 2, 0.0, 0.0)
+    motor = shaft.motor_mass * R**2
+    sheave = (hoist.sheave_mass - shaft.motor_mass) * R**2
+    damping = 2 * shaft.damping * (shaft.stiffness * motor * sheave / (motor + sheave)) ** 0.5
+    return _Energies(
+        kinetic=sheave * rate**2 / 2 + motor * (rate + twist_rate) ** 2 / 2,
+        potential=shaft.stiffness * twist**2 / 2,
+        dissipation=damping * twist_rate**2 / 2,
+    )
 
 
 def _conveyance_forces(legs: Sequence[Leg]) -> dict[str, Any]:
@@ -436,7 +377,7 @@ def _tension(
 ) -> Any:
     """Return the tension of a leg's head ropes at the sheave [N].
 
-    Lagrange's row of the leg is the moment of the tension there; `a` are the accelerations.
+    Lagrange's row of the leg is the moment of the tension there; ``a`` are the accelerations.
     """
     phi, rate = coords("phi")
     row = ca.gradient(leg.kinetic, rate)
@@ -452,7 +393,7 @@ def _tension(
 def _lateral_motion(coords: Coordinates, a: ca.SX) -> list[Any]:
     """Place, rate and second derivative in x, z and yaw, left then right; zeros without play."""
     outputs: list[Any] = []
-    for side, axis in product(SIDES, _LATERAL):
+    for side, axis in product(SIDES, LATERAL):
         name = f"{axis}_{side}"
         if name in coords.names:
             k = coords.names.index(name)
@@ -460,62 +401,3 @@ def _lateral_motion(coords: Coordinates, a: ca.SX) -> list[Any]:
         else:
             outputs += [0.0, 0.0, 0.0]
     return outputs
-
-
-def _rotation(hoist: Hoist, coords: Coordinates) -> _Energies:
-    """Return the energies of sheave, shaft and motor."""
-    rate = coords("phi").rate
-    twist, twist_rate = coords("twist")
-    R = hoist.sheave_radius
-    shaft = hoist.drive_shaft
-    if shaft is None:
-        return _Energies(hoist.sheave_mass * (R * rate) ** 2 / 2, 0.0, 0.0)
-    motor = shaft.motor_mass * R**2
-    sheave = (hoist.sheave_mass - shaft.motor_mass) * R**2
-    damping = 2 * shaft.damping * (shaft.stiffness * motor * sheave / (motor + sheave)) ** 0.5
-    return _Energies(
-        kinetic=sheave * rate**2 / 2 + motor * (rate + twist_rate) ** 2 / 2,
-        potential=shaft.stiffness * twist**2 / 2,
-        dissipation=damping * twist_rate**2 / 2,
-    )
-
-
-def _brake_friction(hoist: Hoist, command: ca.SX, rim_speed: ca.SX) -> Friction:
-    """Return the brake's friction, its torque in N m."""
-    brake = hoist.brake
-    if brake is None:
-        return Friction()
-    pressure = ca.SX.sym("brake_pressure")
-    z = ca.SX.sym("brake_deflection")
-    pressure_rate = (ca.fmin(ca.fmax(command, 0.0), 1.0) - pressure) / brake.lag
-    z_rate = rim_speed - ca.fabs(rim_speed) * z / brake.travel
-    torque = brake.torque * pressure * z / brake.travel
-    return Friction(torque, states=(pressure, z), rates=(pressure_rate, z_rate))
-
-
-def _sliding_friction(
-    hoist: Hoist,
-    a_stick: ca.SX,
-    a_per_force: ca.SX,
-    tensions: Callable[[ca.SX], list[Any]],
-    w: ca.SX,
-) -> _Sliding:
-    """Return the lining's force on head ropes that slide [N], and the accelerations under it.
-
-    Its state is the sense of their sliding, 1 as the sheave's positive rotation or -1, which does
-    not change; the force is 0 where they hold. `a_stick` are the accelerations without it,
-    `a_per_force` those of 1 N along the slip, `tensions` follow from accelerations, `w` is the
-    ropes' speed.
-    """
-    if hoist.lining is None:
-        return _Sliding(Friction(), a_stick)
-    sense = ca.SX.sym("sense")
-    a = ca.SX.sym("a", a_stick.numel())
-    left, right = (tension - hoist.rope_mass * w**2 for tension in tensions(a))
-    low = ((1.0 + sense) * left + (1.0 - sense) * right) / 2.0
-    against_slip = -sense * a_per_force
-    gain = ca.exp(hoist.lining.sliding * hoist.friction_coefficient * hoist.wrap_angle) - 1.0
-    pressing = ca.fmax(ca.substitute(low, a, a_stick), 0.0)
-    force = gain * pressing / (1.0 - gain * ca.dot(ca.gradient(low, a), against_slip))
-    lining = Friction(force, states=(sense,), rates=(0.0,))
-    return _Sliding(lining, a_stick + force * against_slip)

@@ -1,6 +1,6 @@
 """The drive's equations, compiled where there is a C compiler, and their adaptive integration.
 
-`advance`, one text for all hoists with the same parts, does a step of a Runge-Kutta method of the
+``advance``, one text for all hoists with the same parts, does a step of a Runge-Kutta method of the
 length h (s counts from 0 to 1 over a communication step H)
 
     dx/ds = H rates(x, u(s)) ,   dW/ds = H powers(x, u(s)) ,
@@ -35,14 +35,24 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.drive import equations as drive
+from hoist_demo.drive.coordinates import (
+    ACCELERATIONS,
+    FORCES,
+    INPUT_NAMES,
+    LOSS_NAMES,
+    WORK_NAMES,
+    state_names,
+)
+from hoist_demo.drive.equations import HoistEquations, equations
 from hoist_demo.drive.kernels import Kernel, KernelForm, build_library, prepare
 from hoist_demo.drive.outputs import OUTPUTS
 from hoist_demo.parameters import Hoist
 from rope_model.compiler import cache_folder
 
 Vector = NDArray[np.float64]
-Event = Callable[[Vector], float]  #: Function of the result of `advance`; positive ends the steps.
+EventFunction = Callable[
+    [Vector], float
+]  #: Function of the result of ``advance``; positive ends the steps.
 MIN_STEP = 1e-7  #: Step of the integrator [s] below which it gives up.
 SAFETY = 0.9  #: Factor on the step that the error allows.
 MIN_FACTOR = 0.5  #: Smallest factor from one step to the next.
@@ -53,8 +63,8 @@ STEP_ROUNDING = 1e-9  #: Part of a step by which the rest may exceed it through 
 #: [s].
 EVENT_TOLERANCE = 1e-9
 TOLERANCE = 1e-8  #: Bound of a step's error, relative and in SI units.
-WORK_COUNT = len(drive.WORK_NAMES) + len(drive.LOSS_NAMES)
-PATH = 3 * len(drive.INPUT_NAMES)  #: Numbers of a path: u_0, u_1 and u_2.
+WORK_COUNT = len(WORK_NAMES) + len(LOSS_NAMES)
+PATH_SIZE = 3 * len(INPUT_NAMES)  #: Numbers of a path: u_0, u_1 and u_2.
 ORDER = 5
 #: Weights b of the result, the last stage.
 _B = (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84)
@@ -123,7 +133,7 @@ def _sum(weights: Sequence[float], stages: Sequence[Any]) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class DriveKernels:
-    """CasADi functions of hoists with the same parts, and places in the vectors of `advance`."""
+    """CasADi functions of hoists with the same parts, and places in the vectors of ``advance``."""
 
     names: tuple[str, ...]  # names of the states
     argument_slices: dict[str, slice]
@@ -136,9 +146,9 @@ class DriveKernels:
 
 @cache
 def drive_kernels(structure: Hoist, form: KernelForm = "auto") -> DriveKernels:
-    """Return the kernels for all hoists of this `Hoist.equation_structure`."""
-    eqs = drive.equations(structure)
-    names = drive.state_names(structure)
+    """Return the kernels for all hoists of this ``Hoist.equation_structure``."""
+    eqs = equations(structure)
+    names = state_names(structure)
     argument_slices = _slices(
         x=len(names), work_totals=WORK_COUNT, s=1, h=1, **_step_parameter_sizes(structure)
     )
@@ -146,7 +156,7 @@ def drive_kernels(structure: Hoist, form: KernelForm = "auto") -> DriveKernels:
         x=len(names),
         work_totals=WORK_COUNT,
         error=1,
-        applied_input=len(drive.INPUT_NAMES),
+        applied_input=len(INPUT_NAMES),
         outputs=len(OUTPUTS),
     )
     functions = [_advance(eqs, argument_slices), eqs.accelerance]
@@ -170,12 +180,12 @@ def drive_kernels(structure: Hoist, form: KernelForm = "auto") -> DriveKernels:
 
 
 def _step_parameter_sizes(structure: Hoist) -> dict[str, int]:
-    """Return the sizes of the arguments of `advance` that are held over a communication step."""
-    return {"H": 1, "path": PATH, "added_mass": 2, "l0": 2, "p": len(structure.numbers)}
+    """Return the sizes of the arguments of ``advance`` that are held over a communication step."""
+    return {"H": 1, "path": PATH_SIZE, "added_mass": 2, "l0": 2, "p": len(structure.numbers)}
 
 
-def _advance(eqs: drive.Equations, argument_slices: dict[str, slice]) -> Any:
-    """Return `advance` as a CasADi function of one vector that gives one vector."""
+def _advance(eqs: HoistEquations, argument_slices: dict[str, slice]) -> Any:
+    """Return ``advance`` as a CasADi function of one vector that gives one vector."""
     n = argument_slices["x"].stop
     first_step_param = argument_slices["H"].start
     numbers = argument_slices["p"].stop - first_step_param
@@ -197,7 +207,7 @@ def _advance(eqs: drive.Equations, argument_slices: dict[str, slice]) -> Any:
     return ca.Function("advance", [z], [result])
 
 
-def _slope(eqs: drive.Equations, states: int, numbers: int) -> Any:
+def _slope(eqs: HoistEquations, states: int, numbers: int) -> Any:
     """Return the CasADi function (y, s, step_params) -> dy/ds."""
     y = ca.SX.sym("y", states + WORK_COUNT)
     s = ca.SX.sym("s")
@@ -208,7 +218,7 @@ def _slope(eqs: drive.Equations, states: int, numbers: int) -> Any:
     return ca.Function("slope", [y, s, symbols.step_params], [ca.cse(value)])
 
 
-def _loads_and_outputs(eqs: drive.Equations, states: int, numbers: int) -> Any:
+def _loads_and_outputs(eqs: HoistEquations, states: int, numbers: int) -> Any:
     """Return the CasADi function (x, s, step_params) -> input that acts, outputs."""
     x = ca.SX.sym("x", states)
     s = ca.SX.sym("s")
@@ -229,25 +239,25 @@ class _StepSymbols(NamedTuple):
     p: Any
 
 
-def _step_symbols(eqs: drive.Equations, numbers: int, x: Any, s: Any) -> _StepSymbols:
+def _step_symbols(eqs: HoistEquations, numbers: int, x: Any, s: Any) -> _StepSymbols:
     """Return the symbols of a communication step, with the input at s in the state x."""
     step_params = ca.SX.sym("step_params", numbers)
     H, path, added_mass, l0, p = ca.vertsplit(
-        step_params, [0, 1, 1 + PATH, 3 + PATH, 5 + PATH, numbers]
+        step_params, [0, 1, 1 + PATH_SIZE, 3 + PATH_SIZE, 5 + PATH_SIZE, numbers]
     )
-    start, linear, quadratic = ca.vertsplit(path, len(drive.INPUT_NAMES))
+    start, linear, quadratic = ca.vertsplit(path, len(INPUT_NAMES))
     polynomial = start + s * (linear + s * quadratic)
     u = _applied_input(eqs, x, polynomial, added_mass, l0, p)
     return _StepSymbols(step_params, H, u, l0, p)
 
 
-def _applied_input(eqs: drive.Equations, x: Any, u: Any, added_mass: Any, l0: Any, p: Any) -> Any:
+def _applied_input(eqs: HoistEquations, x: Any, u: Any, added_mass: Any, l0: Any, p: Any) -> Any:
     """Return the input with its forces less the added masses times the accelerations."""
-    a = eqs.rates(x, u, l0, p)[list(drive.ACCELERATIONS)]
+    a = eqs.rates(x, u, l0, p)[list(ACCELERATIONS)]
     B = eqs.accelerance(x, u, l0, p)
-    given_up = ca.solve(ca.SX.eye(len(drive.FORCES)) + ca.diag(added_mass) @ B, added_mass * a)
+    given_up = ca.solve(ca.SX.eye(len(FORCES)) + ca.diag(added_mass) @ B, added_mass * a)
     applied_input = ca.SX(u)
-    for k, index in enumerate(drive.FORCES):
+    for k, index in enumerate(FORCES):
         applied_input[index] -= given_up[k]
     return applied_input
 
@@ -282,7 +292,7 @@ class Integrator:
         self.set_arguments(p=hoist.numbers)
 
     def set_arguments(self, **values: Any) -> None:
-        """Set arguments of `advance` by name: x, work_totals, s, h, H, path, added_mass, l0, p."""
+        """Set arguments of ``advance``: x, work_totals, s, h, H, path, added_mass, l0, p."""
         for name, value in values.items():
             self.arguments[name][...] = value
 
@@ -296,11 +306,11 @@ class Integrator:
         return columns.T
 
     def integrate(
-        self, h: float, size: float, span: Span, event: Event | None = None
+        self, h: float, size: float, span: Span, event: EventFunction | None = None
     ) -> StepsEnd | None:
         """Integrate over a span of a communication step of h [s], or until an event.
 
-        The first step is `size` long, a part of h. Returns None where no step keeps to the
+        The first step is ``size`` long, a part of h. Returns None where no step keeps to the
         tolerance.
         """
         s, end = span
@@ -324,7 +334,7 @@ class Integrator:
         return None
 
     def evaluate(self, s: float, used: float = 0.0) -> Vector:
-        """Return the result of `advance` after a step of the size `used` from s, which may be 0."""
+        """Return the result of ``advance`` after a step of ``used`` from s, which may be 0."""
         self.set_arguments(s=s, h=used)
         self._advance.evaluate()
         if used > 0.0:
@@ -332,11 +342,11 @@ class Integrator:
         return self.y.copy()
 
     def _locate(
-        self, event: Event, y: Vector, s: float, used: float, h: float
+        self, event: EventFunction, y: Vector, s: float, used: float, h: float
     ) -> tuple[Vector, float]:
         """Return the result just behind an event within a step, and the size of the step to there.
 
-        `y` is the result of the whole step, of the size `used`.
+        ``y`` is the result of the whole step, of the size ``used``.
         """
         before = 0.0
         while (used - before) * h > EVENT_TOLERANCE:

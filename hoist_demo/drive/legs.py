@@ -24,19 +24,9 @@ and without a pull on the conveyance: s, and H in the weight's term, are not bel
 EA). What the damping pulls or gives way is never more than the elastic pull on the conveyance, so
 that the two together never push. The ropes' inertia, and their modes, stay those of a straight
 rope.
-
-A conveyance that jams in its guides sticks and slips, as the brake does. With the elastic
-deflection z of what sticks, after P. R. Dahl (Aerospace Corp. TOR-0158, 1968),
-
-    F = F_max z / z_max ,   z' = v - |v| z / z_max .
-
-It holds without creeping. A jam's F_max is that of a narrow place, F_j (1 - ((y - y_j) / d)^2)^2
-within d of its middle and 0 beyond, and there z + tau z' stands for z in F: what is stuck swings
-with damping (C. Canudas de Wit et al., IEEE Transactions on Automatic Control 40, 1995), what
-slides has none.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -44,26 +34,9 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hoist_demo.drive.coordinates import CoordinateLookup
+from hoist_demo.drive.friction import DryFriction, jam_friction
 from hoist_demo.parameters import GRAVITY, Hoist
-from hoist_demo.parameters.components import Jam
-
-
-class Coordinate(NamedTuple):
-    """Symbols of a coordinate and its rate; zeros where the hoist lacks it."""
-
-    value: Any
-    rate: Any
-
-
-CoordinateLookup = Callable[[str], Coordinate]  #: Returns a coordinate by name.
-
-
-class Friction(NamedTuple):
-    """Dry friction with states of its own; nothing where the hoist has no such part."""
-
-    force: Any = 0.0  # N, or a torque [N m]
-    states: tuple[Any, ...] = ()
-    rates: tuple[Any, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -76,7 +49,7 @@ class Leg:
     rope_power: Any  # W, that it takes
     play_damping: Any  # dissipation function of the conveyance between its guides
     friction: Any  # N, of the guides along y, the jam's included
-    jam: Friction
+    jam: DryFriction
     pull: Any  # N, of the head ropes on the conveyance, without their inertia
     slack: Any  # m, of the head ropes
     side_force: Any  # generalised forces of the balance ropes on (y, x, z, yaw)
@@ -87,74 +60,35 @@ def make_leg(
     hoist: Hoist, coords: CoordinateLookup, side: str, l0: Any, inputs: dict[str, Any]
 ) -> Leg:
     """Return the head ropes and the conveyance of one side, under the inputs by name."""
-    sign = 1.0
-    mass = hoist.mass_left
-    other = "right"
-    if side == "right":
-        sign = -1.0
+    if side == "left":
+        mass = hoist.mass_left
+        other = "right"
+    else:
         mass = hoist.mass_right
         other = "left"
-    EA = hoist.rope_stiffness
-    mu = hoist.rope_mass
     g = GRAVITY
-    R = hoist.sheave_radius
-    phi, rate = coords("phi")
-    slip, slip_rate = coords("slip")
+    mu = hoist.rope_mass
     y, vy = coords(f"y_{side}")
-    modes = [
-        _Mode(j * np.pi, *coords(f"eta{j}_{side}")) for j in range(1, hoist.head_rope_modes + 1)
-    ]
-    length = l0 - sign * (R * phi + slip)
-    height = hoist.sheave_height - y
-    w = sign * (R * rate + slip_rate)
-
-    kinetic = mass * vy**2 / 2
-    kinetic += _rope_kinetic_energy(modes, vy, height, length, w, mu)
-    potential = mass * g * y
-    lateral = _lateral(hoist, coords, side, mass, mu * length)
-    kinetic = kinetic + lateral.kinetic
-    stretched = height + lateral.pull / (2 * height)
-    # slack ones hang as far down as their weight stretches them
-    hanging_free = length + mu * g * length**2 / (2 * EA)
-    slack = ca.fmax(hanging_free - stretched, 0.0)
-    elastic = EA * ca.fmax(stretched - hanging_free, 0.0) / length
-    potential -= mu * g * length * (height + slack) / 2
-    potential += lateral.potential + EA * (stretched + slack - length) ** 2 / (2 * length)
-
-    # damping cuts the rate where it reaches the elastic pull; fmax for a damping of 0
-    c = 2.0 * hoist.head_rope_damping * ca.sqrt(mass * EA / length)
-    stretching = w - vy
-    largest_rate = elastic / ca.fmax(c, 1.0)
-    damped = ca.fmin(ca.fmax(stretching, -largest_rate), largest_rate)
-    damping = c * (damped * stretching - damped**2 / 2)
-    damping_power = c * (damped * stretching)
-    for k, eta, eta_rate in modes:
-        weight = mu * g * length * (1 - np.cos(k)) / k * eta
-        potential += EA * (k * eta) ** 2 / (4 * length) + weight
-        damping += c * (k * eta_rate) ** 2 / 4
-        damping_power += c * (k * eta_rate) ** 2 / 2
-
-    jam = _jam_friction(getattr(hoist, f"jam_{side}"), side, y, vy)
-    friction = jam.force
-    if hoist.guides is not None:
-        coulomb = hoist.guides.coulomb * ca.tanh(vy / hoist.loss_speed)
-        friction += coulomb + hoist.guides.viscous * vy
-    if hoist.play is not None:
-        friction += hoist.play.friction * lateral.normal * ca.tanh(vy / hoist.loss_speed)
+    ropes = _head_ropes(hoist, coords, side, l0)
+    lateral = _lateral(hoist, coords, side, mass, mu * ropes.length)
+    stretch = _stretch(hoist, ropes, lateral.pull)
+    damper = _damper(hoist, ropes, stretch.force, vy, mass)
+    jam = jam_friction(getattr(hoist, f"jam_{side}"), side, y, vy)
+    potential = mass * g * y - stretch.weight + (lateral.potential + stretch.strain)
     pulls = [inputs[f"{name}_{side}"] for name in ("force", "fx", "fz", "my")]
     hanging = (hoist.tail_rope_length + y - coords(f"y_{other}").value) / 2
     return Leg(
-        kinetic=kinetic,
-        potential=potential,
-        rope_damping=damping,
-        rope_power=damping_power,
+        kinetic=mass * vy**2 / 2 + _rope_kinetic_energy(ropes, vy, mu) + lateral.kinetic,
+        potential=sum(_mode_potentials(hoist, ropes), potential),
+        rope_damping=damper.dissipation,
+        rope_power=damper.power,
         play_damping=lateral.damping,
-        friction=friction,
+        friction=_friction_along_guides(hoist, jam, lateral.normal, vy),
         jam=jam,
-        pull=ca.fmax(elastic + c * damped, 0.0),  # rounding could make it negative
-        slack=slack,
+        pull=ca.fmax(stretch.force + damper.force, 0.0),  # rounding could make it negative
+        slack=stretch.slack,
         side_force=hoist.tail_rope_number * ca.vertcat(*pulls),
-        static_tension=g * (mass + mu * length + hoist.tail_mass * hanging),
+        static_tension=g * (mass + mu * ropes.length + hoist.tail_mass * hanging),
     )
 
 
@@ -166,22 +100,114 @@ class _Mode(NamedTuple):
     eta_rate: Any
 
 
-def _rope_kinetic_energy(
-    modes: Sequence[_Mode], vy: Any, height: Any, length: Any, w: Any, mu: Any
-) -> Any:
+class _HeadRopes(NamedTuple):
+    """Head ropes of one side between the sheave and the conveyance."""
+
+    length: Any  # m, free, l
+    height: Any  # m, of the sheave above the suspension, H
+    w: Any  # m/s, at which the sheave takes them in
+    modes: Sequence[_Mode]
+
+
+def _head_ropes(hoist: Hoist, coords: CoordinateLookup, side: str, l0: Any) -> _HeadRopes:
+    """Return the head ropes that have the free length l0 [m] at the angle 0."""
+    sign = 1.0 if side == "left" else -1.0
+    R = hoist.sheave_radius
+    phi, rate = coords("phi")
+    slip, slip_rate = coords("slip")
+    numbers = range(1, hoist.head_rope_modes + 1)
+    return _HeadRopes(
+        length=l0 - sign * (R * phi + slip),
+        height=hoist.sheave_height - coords(f"y_{side}").value,
+        w=sign * (R * rate + slip_rate),
+        modes=[_Mode(j * np.pi, *coords(f"eta{j}_{side}")) for j in numbers],
+    )
+
+
+class _Stretch(NamedTuple):
+    """Elastic force and energies of the head ropes, without those of their modes."""
+
+    force: Any  # N
+    slack: Any  # m
+    strain: Any  # J
+    weight: Any  # J, below their energy at the sheave
+
+
+def _stretch(hoist: Hoist, ropes: _HeadRopes, pull: Any) -> _Stretch:
+    """Return the head ropes' stretch; slack ones hang as far down as their weight stretches them."""
+    EA = hoist.rope_stiffness
+    mu = hoist.rope_mass
+    g = GRAVITY
+    length = ropes.length
+    height = ropes.height
+    stretched = height + pull / (2 * height)
+    hanging_free = length + mu * g * length**2 / (2 * EA)
+    slack = ca.fmax(hanging_free - stretched, 0.0)
+    return _Stretch(
+        force=EA * ca.fmax(stretched - hanging_free, 0.0) / length,
+        slack=slack,
+        strain=EA * (stretched + slack - length) ** 2 / (2 * length),
+        weight=mu * g * length * (height + slack) / 2,
+    )
+
+
+def _mode_potentials(hoist: Hoist, ropes: _HeadRopes) -> list[Any]:
+    """Return strain energy and energy of weight of each mode [J]."""
+    length = ropes.length
+    potentials = []
+    for k, eta, _ in ropes.modes:
+        weight = hoist.rope_mass * GRAVITY * length * (1 - np.cos(k)) / k * eta
+        potentials.append(hoist.rope_stiffness * (k * eta) ** 2 / (4 * length) + weight)
+    return potentials
+
+
+class _Damper(NamedTuple):
+    """Material damping of the head ropes."""
+
+    force: Any  # N
+    dissipation: Any  # W, dissipation function
+    power: Any  # W, that it takes
+
+
+def _damper(hoist: Hoist, ropes: _HeadRopes, elastic: Any, vy: Any, mass: float) -> _Damper:
+    """Return the damping, whose rate is cut where its force reaches the elastic one."""
+    c = 2.0 * hoist.head_rope_damping * ca.sqrt(mass * hoist.rope_stiffness / ropes.length)
+    stretching = ropes.w - vy
+    largest_rate = elastic / ca.fmax(c, 1.0)  # fmax for a damping of 0
+    damped = ca.fmin(ca.fmax(stretching, -largest_rate), largest_rate)
+    dissipation = c * (damped * stretching - damped**2 / 2)
+    power = c * (damped * stretching)
+    for k, _, eta_rate in ropes.modes:
+        dissipation += c * (k * eta_rate) ** 2 / 4
+        power += c * (k * eta_rate) ** 2 / 2
+    return _Damper(c * damped, dissipation, power)
+
+
+def _friction_along_guides(hoist: Hoist, jam: DryFriction, normal: Any, vy: Any) -> Any:
+    """Return the friction along y [N] of the guides, pressed by ``normal`` (N), and of a jam."""
+    friction = jam.force
+    if hoist.guides is not None:
+        coulomb = hoist.guides.coulomb * ca.tanh(vy / hoist.loss_speed)
+        friction += coulomb + hoist.guides.viscous * vy
+    if hoist.play is not None:
+        friction += hoist.play.friction * normal * ca.tanh(vy / hoist.loss_speed)
+    return friction
+
+
+def _rope_kinetic_energy(ropes: _HeadRopes, vy: Any, mu: Any) -> Any:
     """Return the kinetic energy of the head ropes, which the sheave takes in with the speed w.
 
     The square of their velocity is integrated over zeta for each pair of its shapes.
     """
-    flow = w / length
+    flow = ropes.w / ropes.length
     speeds = [
         vy,
-        height * flow,
-        *(mode.eta_rate for mode in modes),
-        *(mode.eta * flow for mode in modes),
+        ropes.height * flow,
+        *(mode.eta_rate for mode in ropes.modes),
+        *(mode.eta * flow for mode in ropes.modes),
     ]
     v = ca.vertcat(*speeds)
-    return mu * length / 2 * ca.bilin(ca.DM(_shape_products(len(modes))), v, v)
+    return mu * ropes.length / 2 * ca.bilin(ca.DM(_shape_products(len(ropes.modes))), v, v)
 
 
 def _shape_products(modes: int) -> NDArray[np.float64]:
@@ -244,14 +270,3 @@ class _Freedom(NamedTuple):
     inertia: Any  # kg, or kg m^2
     lever: float = 1.0  # m of a shoe per m, or per rad
     spread: float = 1.0  # m of a head rope per m, or per rad
-
-
-def _jam_friction(jam: Jam | None, side: str, y: Any, vy: Any) -> Friction:
-    """Return the force along the guides [N] in the narrow place of one side."""
-    if jam is None:
-        return Friction()
-    z = ca.SX.sym(f"jam_deflection_{side}")
-    grip = ca.fmax(1.0 - ((y - jam.height) / jam.distance) ** 2, 0.0) ** 2
-    rate = vy - ca.fabs(vy) * z / jam.travel
-    force = jam.force * grip * (z + jam.damping * rate) / jam.travel
-    return Friction(force, states=(z,), rates=(rate,))

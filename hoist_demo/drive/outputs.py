@@ -3,11 +3,10 @@
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hoist_demo.parameters import SIDES
+from rope_model.arrays import Array
 
-Array = NDArray[np.float64]
 #: Motion of a conveyance in its guides.
 _LATERAL = (
     *("x", "vx", "ax"),

@@ -1,8 +1,8 @@
 """The drive: motor, sheave, head ropes and two conveyances, integrated over one communication step.
 
-The equations are in `equations.py`. Without further parts of the hoist the state has seven numbers:
-motor torque, sheave angle and suspension heights with their rates. Shaft, head rope modes, play and
-brake append theirs. It is integrated by `integrator.py`.
+The equations are in ``equations.py``. Without further parts of the hoist the state has seven
+numbers: motor torque, sheave angle and suspension heights with their rates. Shaft, head rope modes,
+play and brake append theirs. It is integrated by ``integrator.py``.
 
 The head ropes of a hoist with a lining may slide on the sheave. Ropes of the mass mu_r per length
 and the speed w hold while (Euler and Eytelwein)
@@ -25,8 +25,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hoist_demo.drive.equations import INPUT_NAMES, STATE_NAMES
-from hoist_demo.drive.integrator import MIN_STEP, WORK_COUNT, Event, Integrator, Span, Vector
+from hoist_demo.drive.coordinates import INPUT_NAMES, STATE_NAMES, TORQUE
+from hoist_demo.drive.integrator import (
+    MIN_STEP,
+    WORK_COUNT,
+    EventFunction,
+    Integrator,
+    Span,
+    Vector,
+)
 from hoist_demo.drive.kernels import KernelForm
 from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.parameters import GRAVITY, SIDES, Hoist
@@ -119,9 +126,9 @@ class HoistPlant:
         Raises ValueError if the motor cannot hold it.
         """
         state = self.hanging_state(y_left, y_right, force_left, force_right)
-        if not abs(state.x[0]) <= self.hoist.torque_limit:
+        if not abs(state.x[TORQUE]) <= self.hoist.torque_limit:
             raise ValueError(
-                f"holding torque = {state.x[0]:.6g} N m must be within torque_limit = "
+                f"holding torque = {state.x[TORQUE]:.6g} N m must be within torque_limit = "
                 f"{self.hoist.torque_limit:g} N m: lighten the payload, balance the ropes "
                 "or take a stronger motor"
             )
@@ -139,9 +146,9 @@ class HoistPlant:
         x = np.zeros(len(self.state_names))
         for name, value in hanging_places(self.hoist, heights, lengths).items():
             x[self.state_names.index(name)] = value
-        x[0] = self.stick_integrator.holding_torque(x, lengths)
+        x[TORQUE] = self.stick_integrator.holding_torque(x, lengths)
         if self.hoist.drive_shaft is not None:
-            x[self.state_names.index("twist")] = x[0] / self.hoist.drive_shaft.stiffness
+            x[self.state_names.index("twist")] = x[TORQUE] / self.hoist.drive_shaft.stiffness
         return PlantState(x, np.zeros(WORK_COUNT), lengths)
 
     def advance(
@@ -155,7 +162,7 @@ class HoistPlant:
     ) -> PlantStep:
         """Advance from s = begin to end of a step h [s].
 
-        `path` has u_0, u_1, u_2 of inputs u_0 + u_1 s + u_2 s^2.
+        ``path`` has u_0, u_1, u_2 of inputs u_0 + u_1 s + u_2 s^2.
         """
         old = state
         size = (state.step_next or h) / h
@@ -291,7 +298,7 @@ class _Phase(NamedTuple):
 
     integrator: Integrator
     x: Vector  # the state in the integrator's coordinates
-    event: Event | None  # that ends the phase
+    event: EventFunction | None  # that ends the phase
 
 
 def free_lengths(hoist: Hoist, heights: Sequence[Any], forces: Sequence[Any]) -> tuple[Any, Any]:

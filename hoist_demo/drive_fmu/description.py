@@ -13,10 +13,10 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.drive import integrator
-from hoist_demo.drive.equations import INPUT_NAMES
+from hoist_demo.drive.coordinates import INPUT_NAMES
 from hoist_demo.drive.plant import MIN_ROPE, SIDE_FORCES
 from hoist_demo.drive_fmu.interface import (
-    INPUTS,
+    FORCE_INPUTS,
     MAX_ROPES,
     MOTIONS,
     PERIOD,
@@ -288,8 +288,8 @@ def _sizes(structure: Hoist, generated: Kernels) -> dict[str, int]:
         "INPUTS": len(INPUT_NAMES),
         "STAGES": len(integrator.WEIGHTS),
         "PARAMETERS": sum(v.causality == "parameter" for v in table),
-        "FORCE": names.index(INPUTS[0]),
-        "FORCES_OF_ROPE": len(INPUTS) + len(SIDE_FORCES),
+        "FORCE": names.index(FORCE_INPUTS[0]),
+        "FORCES_OF_ROPE": len(FORCE_INPUTS) + len(SIDE_FORCES),
         "MOST_ROPES": MAX_ROPES,
         "FIRST_OUTPUT": names.index(outputs[0]),
         "OUTPUTS": len(outputs),

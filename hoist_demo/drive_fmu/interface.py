@@ -29,7 +29,7 @@ from rope_model import EndMotion
 from rope_model.parameter_table import parameters_of
 from rope_model.scene_names import Variable
 
-INPUTS = tuple(f"{side}.fy_mean" for side in SIDES)
+FORCE_INPUTS = tuple(f"{side}.fy_mean" for side in SIDES)
 START_PULLS = tuple(f"{side}.fy_start" for side in SIDES)
 #: Vertical inputs of a rope's end, and their names in OUTPUTS without the side.
 _UPRIGHT = {"y": "y", "vy": "v", "ay": "a"}
@@ -41,7 +41,7 @@ _SHORTEST_PERIOD = 1e-4  #: Shortest sample time of the controller [s].
 _SMALLEST_GAIN = 1e-6  #: Smallest value of a gain that must be positive.
 MAX_ROPES = 8  #: Balance ropes that one drive takes.
 PERIOD = "controller.period"
-LONGEST_PERIOD = 0.1  #: Longest sample time of the controller [s], that of `Coupling.step`.
+LONGEST_PERIOD = 0.1  #: Longest sample time of the controller [s], that of ``Coupling.step``.
 #: Outputs of a drive without play that are inputs of a rope at a conveyance's centre, and their
 #: names in OUTPUTS.
 UPRIGHT = {f"{side}.{name}": f"{_UPRIGHT[name]}_{side}" for side, name in product(SIDES, _UPRIGHT)}
@@ -74,13 +74,6 @@ _STATUS: tuple[tuple[str, Literal["Boolean", "String"], str], ...] = (
     ("message", "String", "cause and cure of a failure; else empty"),
     ("warning", "String", "warnings about valid results; else empty"),
 )
-#: description of a gain; Gains has the units
-_GAINS = {
-    "speed": "gain of the speed loop [assumed]",
-    "integral_time": "integral time of the speed loop [assumed]",
-    "position": "gain of the position loop [assumed]",
-    "feed_forward": "share of the feed-forward that is used, 0 to 1",
-}
 _CONTROL = {
     "reference.position": ("m", "travel of the left conveyance that is asked for"),
     "reference.speed": ("m/s", "its rate"),
@@ -113,8 +106,8 @@ class DriveRope(NamedTuple):
 def force_inputs(ropes: Sequence[DriveRope]) -> tuple[str, ...]:
     """Names of the vertical forces: left and right, of each rope where there are several."""
     if not ropes:
-        return INPUTS
-    return tuple(f"{rope.name}.{force}" for rope, force in product(ropes, INPUTS))
+        return FORCE_INPUTS
+    return tuple(f"{rope.name}.{force}" for rope, force in product(ropes, FORCE_INPUTS))
 
 
 def weight_dependencies(ropes: Sequence[DriveRope]) -> dict[str, tuple[str, ...]]:
@@ -167,7 +160,7 @@ def drive_table(
 ) -> DriveTable:
     """Return the FMI variables.
 
-    `step` is the largest internal step, `period` the controller's [s].
+    ``step`` is the largest internal step, ``period`` the controller's [s].
     """
     rows = [_Row(variable) for variable in _parameters(case, step, period, ropes)]
     for k in range(MAX_ROPES):
@@ -193,12 +186,12 @@ def _force_rows(case: Case, ropes: Sequence[DriveRope], k: int) -> Iterator[_Row
     prefix = ""
     if k > 0:
         prefix = f"rope[{k + 1}]."
-    pulls = dict(zip(INPUTS, rest_forces(case, rope), strict=True))
-    for name in (*INPUTS, *SIDE_FORCES):
+    pulls = dict(zip(FORCE_INPUTS, rest_forces(case, rope), strict=True))
+    for name in (*FORCE_INPUTS, *SIDE_FORCES):
         unit, text = _texts(_FORCES, name)
         row = _Row(
             Variable(f"{prefix}{name}", "input", "continuous", "Real", unit, 0.0, text),
-            exists=exists and (name in INPUTS or case.hoist.play is not None),
+            exists=exists and (name in FORCE_INPUTS or case.hoist.play is not None),
         )
         if row.exists:
             row = row._replace(
@@ -285,7 +278,7 @@ def _parameters(
             kind="Real",
             unit=p.unit,
             start=getattr(case.gains, p.name),
-            description=_GAINS[p.name],
+            description=f"{p.meaning} [assumed]",
             minimum=_SMALLEST_GAIN if p.bounds.opens else p.bounds.lower,
             maximum=_LARGEST if p.bounds.upper is None else p.bounds.upper,
         )

@@ -23,7 +23,14 @@ import numpy as np
 from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.kernel import ARGUMENTS, law_kernel
-from hoist_demo.drive.equations import FORCES, INPUT_NAMES, equations, state_names
+from hoist_demo.drive.coordinates import (
+    FORCES,
+    INPUT_NAMES,
+    TORQUE,
+    TORQUE_COMMAND,
+    state_names,
+)
+from hoist_demo.drive.equations import equations
 from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.drive.plant import HoistPlant, free_lengths, hanging_places
 from hoist_demo.drive_fmu.interface import PLANT
@@ -185,7 +192,7 @@ def _rest(structure: Hoist) -> Any:
     x = ca.vertcat(*(places.get(name, 0.0) for name in names))
     l0 = ca.vertcat(*lengths)
     torque = equations(structure).hold(x, l0, p)
-    x[0] = torque
+    x[TORQUE] = torque
     if hoist.drive_shaft is not None:
         x[names.index("twist")] = torque / hoist.drive_shaft.stiffness
     return ca.Function("drive_rest", [heights, forces, p], [x, l0])
@@ -204,8 +211,8 @@ def moment_function() -> Any:
 def point_function() -> Any:
     """Return the function (offset, centre, yaw) -> MOVED of a point of a conveyance.
 
-    `offset` are x and z of the point, `centre` has MOVED of the centre, `yaw` the angle with its
-    rate and second derivative.
+    ``offset`` are x and z of the point, ``centre`` has MOVED of the centre, ``yaw`` the angle with
+    its rate and second derivative.
     """
     offset = ca.SX.sym("p", 2)
     centre = ca.SX.sym("c", len(MOVED))
@@ -233,7 +240,7 @@ def largest_step(case: Case) -> float:
         for heights in (low, high):
             state = plant.hanging_state(*heights, force, force)
             u = np.zeros(len(INPUT_NAMES))
-            u[INPUT_NAMES.index("torque_command")] = state.x[0]
+            u[TORQUE_COMMAND] = state.x[TORQUE]
             u[list(FORCES)] = force
             matrix = np.asarray(jacobian(state.x, u, list(state.free_lengths), hoist.numbers))
             fastest = max(fastest, float(np.abs(np.linalg.eigvals(matrix)).max()))

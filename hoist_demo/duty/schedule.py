@@ -11,7 +11,7 @@ from typing import Any, Self
 
 from pydantic import Field, model_validator
 
-from hoist_demo.cases.run_values import LevelHeader, RunFile, Values
+from hoist_demo.cases.run_values import LevelHeader, ParameterValues, RunFile
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.identity import Identity, named_values
 from hoist_demo.files.reading import read
@@ -35,7 +35,7 @@ class Schedule(RunFile):
     """Schema of a schedule's TOML file: trips in order, all of them repeated."""
 
     header: Duty = Field({}, alias="duty", validate_default=True)
-    trips: list[Values] = Field(alias="trip", min_length=1)
+    trips: list[ParameterValues] = Field(alias="trip", min_length=1)
 
     @property
     def status_by_name(self) -> dict[str, str]:
@@ -68,7 +68,7 @@ class Schedule(RunFile):
                     runs.append(self._build(trip, start))
         return tuple(runs)
 
-    def _build(self, trip: Values, start: float | None) -> RunData:
+    def _build(self, trip: ParameterValues, start: float | None) -> RunData:
         """Return the data of a trip, designed for its way and the payloads of hoist and [fixed]."""
         return build(self.header.hoist, self.fixed, varied=trip, start=start)
 
@@ -117,7 +117,7 @@ class Schedule(RunFile):
         return values
 
     def ropes(self, outputs: Collection[str] | None = None) -> Ropes:
-        """Return the balance ropes, of which these `outputs` are recorded, as of `OneRope`."""
+        """Return the balance ropes, of which these ``outputs`` are recorded, as of ``OneRope``."""
         return ropes_of(
             find_case(self.header.hoist), self.pattern[0], self.fixed, self.level, outputs
         )
@@ -156,7 +156,7 @@ class Schedule(RunFile):
 
 
 def read_schedule(path: Path, repeat: int | None = None) -> Schedule:
-    """Return the schedule of a file; `repeat` replaces the file's.
+    """Return the schedule of a file; ``repeat`` replaces the file's.
 
     Raises FileError with all problems.
     """

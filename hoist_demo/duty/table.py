@@ -137,7 +137,7 @@ def place_at_rest(
 def trip_row(trip: WoundTrip, rest: Mapping[str, RestPlace]) -> dict[str, float]:
     """Return the row of a trip.
 
-    `rest` has the place of each rope's loop at rest, by the rope's name.
+    ``rest`` has the place of each rope's loop at rest, by the rope's name.
     """
     recording = trip.result.recording
     measured = measure_ropes(trip.result, trip.data.hoist, trip.data.arrival, [*rest])
@@ -249,7 +249,7 @@ def worst(trips: Recording, cycle: int) -> list[Worst]:
 
 
 def _worst(name: str, values: Array, numbers: Array, cycle: int) -> Worst:
-    """Return the worst trip by the `values` of a column, with its number."""
+    """Return the worst trip by the ``values`` of a column, with its number."""
     if name_without_rope(name) in _SMALLEST_IS_WORST:
         k = int(np.argmin(values))
         return Worst(name, float(values[k]), int(numbers[k]), float(np.min(values[:cycle])))

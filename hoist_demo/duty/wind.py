@@ -40,13 +40,13 @@ def wind_duty(
     after: TripEnd | None = None,
     done: int = 0,
 ) -> Iterator[WoundTrip]:
-    """Wind the trips after the first `done`, from the drive and coupling of `after`.
+    """Wind the trips after the first ``done``, from the drive and coupling of ``after``.
 
     The rope begins as it is.
 
-    `torque_free` says of each rope by its name whether it carries no torque; `progress` gives each
-    trip whom to tell. The last trip is one that does not end, or in which the safety circuit opens
-    or a conveyance jams, where there is such a one.
+    ``torque_free`` says of each rope by its name whether it carries no torque; ``progress`` gives
+    each trip whom to tell. The last trip is one that does not end, or in which the safety circuit
+    opens or a conveyance jams, where there is such a one.
     """
     drives = [design_drive(run) for run in schedule.pattern]
     closed = abs(schedule.landing(len(drives)) - schedule.landing(0)) < HEIGHT_ROUNDING
@@ -77,7 +77,7 @@ def wind_duty(
 def write_state(
     path: Path, trips: Recording, end: TripEnd, rope: RopePlant, schedule: Schedule
 ) -> None:
-    """Write the state after the last row of `trips`, whole or not at all."""
+    """Write the state after the last row of ``trips``, whole or not at all."""
     checkpoint = Checkpoint(
         sample=trips["trip"].size,
         t=end.t,

@@ -12,7 +12,7 @@ from fmu_src.model_description import MODEL
 from fmu_src.native.export import export_model, export_native
 from fmu_src.profile import Profile
 from fmu_src.python.export import export_fmu
-from fmu_src.ssp import Component, Datum, System, Version, export_ssp
+from fmu_src.ssp import Component, System, SystemNumber, Version, export_ssp
 from hoist_demo.cases.case import Case
 from hoist_demo.drive_fmu.description import drive_model, duration
 from hoist_demo.drive_fmu.interface import DriveRope
@@ -55,7 +55,7 @@ class HoistFiles(NamedTuple):
 
 @dataclass(frozen=True)
 class RopeFmu:
-    """Choices of a rope's FMU; the defaults are those of `balance-rope export`."""
+    """Choices of a rope's FMU; the defaults are those of ``balance-rope export``."""
 
     flavour: str = NATIVE  # or PYTHON, FMI 2.0 alone
     fmi: int = 2
@@ -78,7 +78,7 @@ class SystemOptions:
     #: the lighter conveyance.
     step: float | None = None
     version: Version = "1.0"  # of SSP
-    data: Sequence[Datum] = ()  # the data's statuses, which go into the system
+    data: Sequence[SystemNumber] = ()  # the data's statuses, which go into the system
 
     def __post_init__(self) -> None:
         unknown = sorted({*self.without} - {*OMITTABLE})

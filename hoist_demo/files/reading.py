@@ -31,7 +31,7 @@ class FileError(ValueError):
         )
 
 
-class Table(pydantic.BaseModel):
+class TomlTable(pydantic.BaseModel):
     """TOML table whose keys are all known."""
 
     model_config = pydantic.ConfigDict(
@@ -39,7 +39,7 @@ class Table(pydantic.BaseModel):
     )
 
 
-class File(Table):
+class File(TomlTable):
     """Whole TOML file, with the path from which it was read."""
 
     _path: Path = pydantic.PrivateAttr(Path())
@@ -61,9 +61,9 @@ EMPTY: Any = pydantic.Field(default={}, validate_default=True)
 
 @dataclass(frozen=True)
 class Flat:
-    """Annotation for pydantic: the key is a table of this model, and its value is `make` of it."""
+    """Annotation for pydantic: the key is a table of this model, its value ``make`` of it."""
 
-    model: type[Table]
+    model: type[TomlTable]
     make: Callable[[Any], Any]
 
     def __get_pydantic_core_schema__(
@@ -77,10 +77,10 @@ def table_of(
     name: str,
     parameters: Iterable[FileParameter],
     leaf: Callable[[FileParameter], Any] = value_type,
-) -> type[Table]:
+) -> type[TomlTable]:
     """Return the model of a table with these parameters, whose names may have more dots.
 
-    `leaf` gives their types.
+    ``leaf`` gives their types.
     """
     members_by_key: dict[str, list[FileParameter]] = {}
     for parameter in parameters:
@@ -97,7 +97,7 @@ def table_of(
         # brackets in a key are no identifier
         fields[f"key{number}"] = (kind, pydantic.Field(default=None, alias=key))
     title = "".join(map(str.title, name.split(".")))
-    model: type[Table] = pydantic.create_model(title, __base__=Table, **fields)
+    model: type[TomlTable] = pydantic.create_model(title, __base__=TomlTable, **fields)
     return model
 
 
@@ -108,7 +108,7 @@ def contents(table: pydantic.BaseModel, prefix: str = "") -> Iterator[tuple[str,
             continue
         key = f"{prefix}{field.alias or name}"
         content = getattr(table, name)
-        if isinstance(content, Table) and not isinstance(content, File):
+        if isinstance(content, TomlTable) and not isinstance(content, File):
             yield from contents(content, f"{key}.")
         else:
             yield key, content
@@ -116,7 +116,7 @@ def contents(table: pydantic.BaseModel, prefix: str = "") -> Iterator[tuple[str,
 
 def flat(name: str, fields: Mapping[str, Any], make: Callable[[Any], Any] | None = None) -> Flat:
     """Return the annotation of a table with these fields: its values by dotted names."""
-    model: type[Table] = pydantic.create_model(name, __base__=Table, **fields)
+    model: type[TomlTable] = pydantic.create_model(name, __base__=TomlTable, **fields)
     return Flat(model, make or (lambda table: dict(contents(table))))
 
 
@@ -128,7 +128,7 @@ def read(
 ) -> T:
     """Return a file's contents or raise FileError.
 
-    Files `opened` led to it, keys of `over` replace the file's.
+    Files ``opened`` led to it, keys of ``over`` replace the file's.
     """
     if path.resolve() in (one.resolve() for one in opened):
         raise FileError(path, ["must not lead back to itself: break the circle"])
@@ -284,7 +284,7 @@ def _located(key_path: str, text: str) -> str:
 def _key_path(loc: Sequence[int | str]) -> str:
     """Return the dotted path of a key.
 
-    Members of lists are counted from 1: `rope 2 left.swivel.mode`.
+    Members of lists are counted from 1: ``rope 2 left.swivel.mode``.
     """
     path = ""
     for part in loc:

@@ -1,4 +1,4 @@
-"""All parameters of runs: the host's as `section.field`, those of rope and shaft by FMI name.
+"""All parameters of runs: the host's as ``section.field``, those of rope and shaft by FMI name.
 
 Every value is checked for its unit, its type and, one at a time, its bounds: the data classes check
 themselves, and the FMU is asked to initialize with the value.
@@ -79,7 +79,7 @@ def swivel_parameters() -> tuple[FileParameter, ...]:
 
 
 def at_both_ends(values: Iterable[tuple[str, Any]]) -> dict[str, Any]:
-    """Return values by name, with those of `swivels` repeated for both ends."""
+    """Return values by name, with those of ``swivels`` repeated for both ends."""
     expanded: dict[str, Any] = {}
     for key, value in sorted(values, key=lambda item: not item[0].startswith(f"{SWIVELS}.")):
         if key.startswith(f"{SWIVELS}."):
@@ -103,13 +103,13 @@ def host_parameters() -> dict[str, FileParameter]:
 
 @cache
 def group_table(group: str, leaf: Callable[[FileParameter], Any]) -> Any:
-    """Return the type of a table that all parameters of a group have, which `leaf` gives theirs."""
+    """Return the type of a group's table; ``leaf`` gives the types of its parameters."""
     every = (*host_parameters().values(), *rope_parameters().values(), *swivel_parameters())
     return table_of(group, [p for p in every if p.name.startswith(f"{group}.")], leaf)
 
 
 def run_fields(leaf: Callable[[FileParameter], Any]) -> dict[str, Any]:
-    """Return the fields of a model with all parameters of a run, of types by `leaf`."""
+    """Return the fields of a model with all parameters of a run, of types by ``leaf``."""
     names = (*host_parameters(), *rope_parameters())
     groups = dict.fromkeys(name.partition(".")[0] for name in names if name != CONTROLLER.name)
     tables = {group: (group_table(group, leaf), Field(default=None)) for group in groups}
@@ -119,7 +119,7 @@ def run_fields(leaf: Callable[[FileParameter], Any]) -> dict[str, Any]:
 def parameters(rope: Mapping[str, FileParameter] | None = None) -> dict[str, FileParameter]:
     """Return all parameters of runs by name.
 
-    `rope` are those of an FMU, in the place of a scene's.
+    ``rope`` are those of an FMU, in the place of a scene's.
     """
     by_name = {**host_parameters(), **(rope_parameters() if rope is None else rope)}
     by_name.pop("inputs_at_step_end", None)

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 from hoist_demo.files.reading import (
     EMPTY,
     File,
-    Table,
+    TomlTable,
     contents,
     flat,
     path_from_file,
@@ -65,13 +65,13 @@ def following_statuses(statuses: Mapping[str, str]) -> dict[str, str]:
 
 
 def _read_other(content: Any, info: ValidationInfo) -> KnownFile | None:
-    """Return the file that [rope] names by `from`."""
+    """Return the file that [rope] names by ``from``."""
     if not content:
         return None
     return read(path_from_file(info, read_text(content)), _OtherFile, reading_chain(info))
 
 
-class CatalogueQuery(Table):
+class CatalogueQuery(TomlTable):
     """Table [rope]: the query to the catalogue."""
 
     file: Annotated[Any, BeforeValidator(_read_other), WithJsonSchema({"type": "string"})] = Field(
@@ -185,7 +185,7 @@ def _values_there(content: Any, info: ValidationInfo) -> dict[str, ParameterValu
     return read(path_from_file(info, read_text(content)), RopeFile, reading_chain(info)).values()
 
 
-#: the type of `from = "FILE"`: values of a rope's parameter file
+#: the type of ``from = "FILE"``: values of a rope's parameter file
 RopeValues = Annotated[
     dict[str, ParameterValue],
     BeforeValidator(_values_there),

@@ -28,7 +28,7 @@ ASSUMED = "assumed"  #: Status of a value without a source.
 DERIVED = "derived"  #: Status of a value that follows by a rule.
 VARIED = "varied"  #: Status of a value that differs between runs.
 STATUSES = tuple(dict.fromkeys((*get_args(DatumStatus), "data sheet", DERIVED, GIVEN)))
-Status = Literal[STATUSES]  # type: ignore[valid-type]
+ValueStatus = Literal[STATUSES]  # type: ignore[valid-type]
 #: letters with a small power, joined; pint alone would read past commas and figures
 _UNIT = re.compile(r"(?:1/)?[A-Za-z%µ°]+\^?-?\d?(?:\s*[ ./*·]\s*[A-Za-z%µ°]+\^?-?\d?)*")
 _SHARES = {"%": Fraction(1, 100)}  #: Units of pure numbers.
@@ -76,7 +76,7 @@ Text = Annotated[
 class ParameterValue:
     """A value with its source.
 
-    `low` and `high` are how far it may be off, in the parameter's unit.
+    ``low`` and ``high`` are how far it may be off, in the parameter's unit.
     """
 
     value: Value
@@ -133,7 +133,7 @@ class ValueTable(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
     value: Any = None
     unit: str = ""  # "": the parameter's
-    status: Status = ""  # "": the file's
+    status: ValueStatus = ""  # "": the file's
     source: Text = ""
     low: Any = None
     high: Any = None
@@ -226,7 +226,7 @@ def _converted(parameter: FileParameter, number: str | float, unit: str) -> floa
 
 @cache
 def _factor(unit: str, to: str) -> Fraction | None:
-    """Return what one `unit` is in `to`.
+    """Return what one ``unit`` is in ``to``.
 
     None where they measure different things, or one is unknown.
     """

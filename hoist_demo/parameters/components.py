@@ -2,7 +2,7 @@
 
 SI units, checked here.
 
-A `Hoist` whose part is None lacks the part's equations; there are no stiff or weak dummies.
+A ``Hoist`` whose part is None lacks the part's equations; there are no stiff or weak dummies.
 Masses "referred to the rope" are J / R^2 with the sheave's radius R.
 """
 
@@ -60,7 +60,7 @@ class Brake(ValidatedData, of="brake."):
 
 
 @dataclass(frozen=True)
-class Lining(ValidatedData, of="lining."):
+class SheaveLining(ValidatedData, of="lining."):
     """Lining of the sheave, on which the head ropes may slide; all values [assumed]."""
 
     sliding: float = parameter(
@@ -131,8 +131,8 @@ class Jam(ValidatedData, of="jam."):
 
     All values [assumed].
 
-    The holding force rises from 0 at `distance` from the place to its full value at the place, and
-    falls again: a conveyance that is pulled or carried through is free behind it.
+    The holding force rises from 0 at ``distance`` from the place to its full value at the place,
+    and falls again: a conveyance that is pulled or carried through is free behind it.
     """
 
     height: float = parameter(

@@ -17,7 +17,15 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play, require
+from hoist_demo.parameters.components import (
+    Brake,
+    DriveShaft,
+    Guides,
+    Jam,
+    Play,
+    SheaveLining,
+    require,
+)
 from hoist_demo.parameters.quantity import NONNEGATIVE, NumberRange, ValidatedData, parameter
 from rope_model.physics.elementary import Scalar, maximum, sum_of
 
@@ -122,7 +130,7 @@ class Hoist(ValidatedData):
     brake: Brake | None = parameter(
         None, "", "brake on the sheave; left out: only the motor brakes"
     )
-    lining: Lining | None = parameter(
+    lining: SheaveLining | None = parameter(
         None, "", "lining on which the head ropes may slide; left out: they hold whatever they pull"
     )
     guides: Guides | None = parameter(None, "", "friction along the guides; left out: none")
@@ -182,7 +190,7 @@ class Hoist(ValidatedData):
 
     @property
     def numbers(self) -> list[float]:
-        """Numbers that `equation_structure` leaves out, those of the components in their places."""
+        """Numbers that ``equation_structure`` leaves out, components' in their places."""
         return list(_numbers(self))
 
     @property
@@ -238,7 +246,7 @@ class Hoist(ValidatedData):
         return 2.0 * GRAVITY * (self.tail_mass - self.rope_mass)
 
     def imbalance(self, travelled: float = 0.0) -> float:
-        """Return the largest difference of both sides' weights [N], `travelled` m from a landing."""
+        """Return the sides' largest difference of weights [N], ``travelled`` m from a landing."""
         ropes = abs(self.imbalance_rate * (0.5 * self.shaft_travel - travelled))
         return GRAVITY * abs(self.mass_left - self.mass_right) + ropes
 
@@ -306,7 +314,7 @@ def _items(data: Any) -> list[tuple[str, Any]]:
 def hoist_with(hoist: Hoist, ropes: Sequence[tuple[float, float]]) -> Hoist:
     """Return the hoist with its balance ropes as one rope of their mass.
 
-    `ropes` has the mass per length [kg/m] and the length [m] of each.
+    ``ropes`` has the mass per length [kg/m] and the length [m] of each.
     """
     mass = sum_of(m for m, _ in ropes)
     length = sum_of(m * x for m, x in ropes) / mass

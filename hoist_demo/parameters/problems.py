@@ -6,7 +6,7 @@ from typing import Self
 
 
 class Problems(list[str]):
-    """List of problems, a line each; the end of its `with` raises them together."""
+    """List of problems, a line each; the end of its ``with`` raises them together."""
 
     def __enter__(self) -> Self:
         return self

@@ -1,7 +1,7 @@
 """Parameters of files and data classes: fields with unit, meaning and bounds; reading of values.
 
-Unit, description, `lower`, `upper` and cure have the names of rope_model's parameters. There a bound
-may be another parameter, and the least positive number excludes 0; here `opens` does.
+Unit, description, ``lower``, ``upper`` and cure have the names of rope_model's parameters. There a
+bound may be another parameter, and the least positive number excludes 0; here ``opens`` does.
 """
 
 import math
@@ -59,7 +59,7 @@ def parameter(default: T, unit: str, meaning: str = "", bounds: NumberRange = PO
 def fmi_unit(unit: str) -> str:
     """Return the unit as FMI writes it.
 
-    `N s/m` and `N*s/m` are `N.s/m`, `m/s^2` is `m/s2`, none is `1`.
+    ``N s/m`` and ``N*s/m`` are ``N.s/m``, ``m/s^2`` is ``m/s2``, none is ``1``.
     """
     text = re.sub(r"[\s*·]+", ".", unit.strip()).replace("^", "")
     if text in ("", "-"):
@@ -90,7 +90,7 @@ class FileParameter:
     meaning: str = ""
 
     def read(self, value: object) -> Value:
-        """Return the value in the parameter's type; a `ValueError` names key, value and cure."""
+        """Return the value in the parameter's type; a ``ValueError`` names key, value and cure."""
         bad = f"{self.name} = {value!r}"
         if self.kind == "Boolean":
             if not isinstance(value, bool):
@@ -163,7 +163,7 @@ _KINDS = {bool: "Boolean", int: "Integer", str: "String", float: "Real"}
 def leaves(data: Any, prefix: str = "") -> Iterator[FileParameter]:
     """Yield all single values of a data class by dotted names.
 
-    `brake: Brake | None` stands for the brake's own.
+    ``brake: Brake | None`` stands for the brake's own.
     """
     hints = get_type_hints(data)
     for one in fields(data):
@@ -192,7 +192,7 @@ def leaves(data: Any, prefix: str = "") -> Iterator[FileParameter]:
 class ValidatedData:
     """Data that are checked when they are made, each value alone.
 
-    `of` stands before their names in messages.
+    ``of`` stands before their names in messages.
     """
 
     _of = ""

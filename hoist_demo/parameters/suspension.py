@@ -49,7 +49,7 @@ class SuspensionOffset:
         return 0.5 * (self.x_left + self.x_right), 0.0, self.z
 
     def end_distance(self, spacing: float) -> float:
-        """Return the distance of the rope's ends [m] where conveyances are `spacing` apart."""
+        """Return the distance of the rope's ends [m] where conveyances are ``spacing`` apart."""
         return spacing + self.x_right - self.x_left
 
     def at(self, end: str) -> tuple[float, float]:

@@ -13,7 +13,7 @@ CONTROLLERS = ("pi", "pi-feed-forward", "input-shaping", "optimised-trajectory")
 class Shaper(ValidatedData):
     """Mode that the shaper leaves at rest, measured or from the linear model.
 
-    The metrics `swing_frequency` and `swing_damping` of a study measure it.
+    The metrics ``swing_frequency`` and ``swing_damping`` of a study measure it.
     """
 
     kind: Literal["ZV", "ZVD"] = parameter("ZVD", "")

@@ -144,7 +144,7 @@ def require_jams_on_the_way(hoist: Hoist, winding: Winding) -> None:
 
 
 def _require_on_the_way(jam: Jam | None, name: str, low: float, high: float, travel: float) -> None:
-    """Reject a jam that is not between the heights `low` and `high` of its conveyance [m]."""
+    """Reject a jam that is not between the heights ``low`` and ``high`` of its conveyance [m]."""
     if jam is None:
         return
     require(

@@ -32,7 +32,7 @@ class Spectra(NamedTuple):
 
 
 def spectra(time: Array, values: Array) -> Spectra:
-    """Return spectra of `values` (rows, places) at even times [s].
+    """Return spectra of ``values`` (rows, places) at even times [s].
 
     Empty for a short record, NaN where values have NaN.
 
@@ -140,7 +140,7 @@ _PLACES = ("station", "s")
 
 
 def exposure(recording: Recording, parameters: Mapping[str, Any]) -> Recording | None:
-    """Return a row per station from the left end on, at places by the rope's `parameters`.
+    """Return a row per station from the left end on, at places by the rope's ``parameters``.
 
     None without stations.
     """
@@ -166,7 +166,7 @@ def exposure(recording: Recording, parameters: Mapping[str, Any]) -> Recording |
 
 
 def spectra_table(recording: Recording) -> Recording:
-    """Return the amplitudes over frequency at each station, `tension[1]` and so on."""
+    """Return the amplitudes over frequency at each station, ``tension[1]`` and so on."""
     columns: dict[str, Array] = {}
     units = {"frequency": "Hz"}
     for name in VIBRATING:
@@ -196,7 +196,7 @@ def _joint(parts: Sequence[Recording], name: str) -> Array:
 
 
 def flatten(exposed: Recording) -> dict[str, float]:
-    """Return the table as one row: `station.bent[1]` and so on."""
+    """Return the table as one row: ``station.bent[1]`` and so on."""
     row: dict[str, float] = {}
     for name, column in exposed.signals.items():
         for station, value in enumerate(column, 1):
@@ -205,7 +205,7 @@ def flatten(exposed: Recording) -> dict[str, float]:
 
 
 def gather(row: Mapping[str, float]) -> Recording:
-    """Return the table that `flatten` was given."""
+    """Return the table that ``flatten`` was given."""
     columns: dict[str, list[float]] = {name: [] for name in UNITS}
     for key, value in row.items():
         if key.startswith("station."):
@@ -233,7 +233,7 @@ def _extremes(name: str, time: Array, values: Array) -> dict[str, Array]:
 def _counted(name: str, values: Array) -> dict[str, Array]:
     """Return the largest range, the counted cycles, and cycles by range at each station.
 
-    The record `values` has the shape (rows, stations).
+    The record ``values`` has the shape (rows, stations).
     """
     keys = [f"{name}.range", f"{name}.cycles", *bin_columns(name)]
     if not np.isfinite(values).all():

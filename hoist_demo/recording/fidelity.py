@@ -17,7 +17,7 @@ from hoist_demo.recording.time_series import Recording
 from rope_model import CHOICES, FIDELITIES, Effect, neglected_effects, neglected_text
 
 FIDELITY = "status.fidelity"  #: Signal with the code of the fidelity that runs.
-#: Choices of the FMU's integer parameter `model.fidelity`, in the order of its codes.
+#: Choices of the FMU's integer parameter ``model.fidelity``, in the order of its codes.
 CODES = tuple(CHOICES["model.fidelity"])
 
 
@@ -57,7 +57,7 @@ def fidelities_of(recording: Recording) -> list[str]:
 
 
 def remark(recording: Recording) -> str:
-    """Return the signals that `mask_neglected` left out of a recording, in words; "" for none."""
+    """Return the signals that ``mask_neglected`` left out of a recording, in words; "" for none."""
     for fidelity in FIDELITIES:
         names = tuple(recording.signals)
         effects = [
@@ -81,7 +81,7 @@ def _lacks_values(recording: Recording, names: Iterable[str]) -> bool:
 
 
 def drop_duplicates_of_remark(warnings: Iterable[str], recording: Recording) -> list[str]:
-    """Return the warnings without those that repeat `remark`, which adds the time."""
+    """Return the warnings without those that repeat ``remark``, which adds the time."""
     kept = list(warnings)
     if remark(recording):
         for sentence in filter(None, map(neglected_text, FIDELITIES)):

@@ -102,7 +102,7 @@ def _first_stand(speeds: Array, still: float = 0.0) -> int | None:
 
 
 def stops(recording: Recording, begin: float | None, radius: float) -> list[Stop]:
-    """Return the emergency stop of each conveyance, `begin` [s] after the start of the record.
+    """Return the emergency stop of each conveyance, ``begin`` [s] after the start of the record.
 
     Whether it is held is judged by the head ropes on the sheave of this radius [m]: a conveyance
     swings on them, in a deep shaft for longer than any brake lets them run.
@@ -233,7 +233,7 @@ def tension_ratios(recording: Recording, limit: float) -> Array:
 
 #: Outputs of the rope's guards.
 GUARD_SIGNALS = frozenset({"guard.tripped", "guard.cause", "guard.time"})
-GUARD_CODES = dict(enumerate(GUARD_CAUSES, start=1))  #: What `guard.cause` stands for.
+GUARD_CODES = dict(enumerate(GUARD_CAUSES, start=1))  #: What ``guard.cause`` stands for.
 
 
 class GuardTrip(NamedTuple):
@@ -287,7 +287,7 @@ def incidents(recording: Recording) -> str:
 
 
 def circuit_stop(recording: Recording, at: float) -> str:
-    """Describe a stop that the safety circuit began `at` [s] after the start of the record."""
+    """Describe a stop that the safety circuit began ``at`` [s] after the start of the record."""
     t = float(recording.time[0]) + at
     trip = guard_trip(recording)
     text = f"emergency stop at t = {t:.4g} s"

@@ -18,7 +18,7 @@ PARALLEL = 1e-12
 
 
 @dataclass(frozen=True)
-class Nearest:
+class NearestRopes:
     """Smallest distance of two ropes in a run."""
 
     clearance: float  # m, between their surfaces
@@ -32,7 +32,7 @@ class RopePair:
 
     one: str
     other: str
-    nearest: Nearest | None  # None: no instant at which both have a shape
+    nearest: NearestRopes | None  # None: no instant at which both have a shape
     account: Account | None
 
     @property
@@ -41,17 +41,17 @@ class RopePair:
         return self.nearest is not None and self.nearest.clearance <= 0.0
 
 
-def nearest(times: Array, one: Array, other: Array, radii: float) -> Nearest:
+def nearest(times: Array, one: Array, other: Array, radii: float) -> NearestRopes:
     """Return the nearest approach of two ropes.
 
-    Their shapes are points (instants, points, 3) [m]; `radii` is the sum of their radii [m].
+    Their shapes are points (instants, points, 3) [m]; ``radii`` is the sum of their radii [m].
     """
-    best = Nearest(np.inf, float(times[0]), (np.nan, np.nan, np.nan))
+    best = NearestRopes(np.inf, float(times[0]), (np.nan, np.nan, np.nan))
     for k, t in enumerate(times):
         distance, position = polygon_distance(one[k], other[k])
         if distance - radii < best.clearance:
             x, y, z = position.tolist()
-            best = Nearest(distance - radii, float(t), (x, y, z))
+            best = NearestRopes(distance - radii, float(t), (x, y, z))
     return best
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from rope_model import BODIES, FAR
 
 _DISSIPATED = "energy.dissipated_contact"
 
-#: Outputs of the rope from which `passages` follow.
+#: Outputs of the rope from which ``passages`` follow.
 PASSAGE_SIGNALS = frozenset(
     {
         "loop.crossings",
@@ -35,37 +36,12 @@ def passages(recording: Recording, rope: str = "the rope") -> str:
 
     "" for nothing.
     """
-    touched: list[str] = []
-    for name, label in BODIES.items():
-        if _last(recording, f"nearest.{name}.clearance", 1.0) <= 0.0:
-            since = f"nearest.{name}.touched_at"
-            touched.append(_deepest(recording, label, since, f"nearest.{name}.y"))
-        elif _pressed(recording, name):
-            touched.append(_first_contact(recording, label, [f"contact.{name}"]))
-    # contact for a moment between two rows leaves its dissipated energy
-    dissipated = _DISSIPATED in recording and bool(np.any(_in_contact(recording, _DISSIPATED)))
-    presses_itself = _pressed(recording, "rope")
-    held = any(_pressed(recording, name) for name in BODIES)
-    held |= dissipated and not presses_itself and bool(touched)
-    presses_itself |= dissipated and not held
-    struck = list(touched) if held else []
-    into = [] if held else list(touched)
-    if _last(recording, "loop.overlap") > 0.0:
-        legs = _deepest(recording, "its other leg", "loop.touched_at", "loop.touched_y")
-        if presses_itself:
-            struck.append(legs)
-        else:
-            into.append(legs)
-    elif presses_itself:
-        signs = ["contact.rope"]
-        if not held:
-            signs.append(_DISSIPATED)
-        struck.append(_first_contact(recording, "itself", signs))
+    met = _met(recording)
     sentences = []
-    if struck:
-        sentences.append(f"struck {' and '.join(struck)}")
-    if into:
-        sentences.append(f"passed into {' and '.join(into)}")
+    if met.struck:
+        sentences.append(f"struck {' and '.join(met.struck)}")
+    if met.passed_into:
+        sentences.append(f"passed into {' and '.join(met.passed_into)}")
     if _last(recording, "loop.crossings") > 0.0:
         t = _last(recording, "loop.crossed_at")
         y = _last(recording, "loop.crossed_y")
@@ -78,15 +54,62 @@ def passages(recording: Recording, rope: str = "the rope") -> str:
     return ""
 
 
+class _Met(NamedTuple):
+    """Bodies and legs that a rope has met, each with time and place."""
+
+    struck: list[str]  # those that held the rope by contact forces
+    passed_into: list[str]  # those that did not
+
+
+def _met(recording: Recording) -> _Met:
+    """Return what the rope has met; a body holds it if the record has forces or losses of contact."""
+    touched = _touched_bodies(recording)
+    # contact for a moment between two rows leaves its dissipated energy
+    dissipated = _DISSIPATED in recording and bool(np.any(_in_contact(recording, _DISSIPATED)))
+    presses_itself = _pressed(recording, "rope")
+    held = any(_pressed(recording, name) for name in BODIES)
+    held |= dissipated and not presses_itself and bool(touched)
+    presses_itself |= dissipated and not held
+    met = _Met(struck=[], passed_into=[])
+    if held:
+        met.struck.extend(touched)
+    else:
+        met.passed_into.extend(touched)
+    if _last(recording, "loop.overlap") > 0.0:
+        legs = _deepest(recording, "its other leg", "loop.touched_at", "loop.touched_y")
+        if presses_itself:
+            met.struck.append(legs)
+        else:
+            met.passed_into.append(legs)
+    elif presses_itself:
+        signs = ["contact.rope"]
+        if not held:
+            signs.append(_DISSIPATED)
+        met.struck.append(_first_contact(recording, "itself", signs))
+    return met
+
+
+def _touched_bodies(recording: Recording) -> list[str]:
+    """Return the bodies that the rope has touched, each with time and place."""
+    touched: list[str] = []
+    for name, label in BODIES.items():
+        if _last(recording, f"nearest.{name}.clearance", 1.0) <= 0.0:
+            since = f"nearest.{name}.touched_at"
+            touched.append(_deepest(recording, label, since, f"nearest.{name}.y"))
+        elif _pressed(recording, name):
+            touched.append(_first_contact(recording, label, [f"contact.{name}"]))
+    return touched
+
+
 def without_passages(warnings: Iterable[str]) -> list[str]:
-    """Return the rope's warnings but those that `passages` repeats in full."""
+    """Return the rope's warnings but those that ``passages`` repeats in full."""
     kept = list(warnings)
     for phrase in _PASSAGE_WARNINGS:
         kept = [text for text in kept if phrase not in text]
     return kept
 
 
-#: Phrases in warnings that have no cure, which `passages` says, too.
+#: Phrases in warnings that have no cure, which ``passages`` says, too.
 _PASSAGE_WARNINGS = ("the rope has struck", "the rope has passed into")
 
 

@@ -38,7 +38,7 @@ def as_only_rope(recording: Recording, name: str) -> Recording:
 def computed(recording: Recording, torque_free: Mapping[str, bool]) -> Recording:
     """Return the record with NaN for what was not computed or is absent, and for its sums.
 
-    `torque_free` by rope.
+    ``torque_free`` by rope.
     """
     signals = dict(recording.signals)
     for name, free in torque_free.items():

@@ -24,7 +24,7 @@ _ALONG = ("s", "tension", "bending", "torsion")
 
 @dataclass(frozen=True)
 class Recording:
-    """Signals by name, all of one length, with their units; `time` [s] is one of them."""
+    """Signals by name, all of one length, with their units; ``time`` [s] is one of them."""
 
     signals: Mapping[str, Array]
     units: Mapping[str, str]
@@ -76,7 +76,7 @@ class Recording:
         return points
 
     def along(self, name: str) -> Array | None:
-        """Return `tension` or its like at the rope's points, shape (rows, n).
+        """Return ``tension`` or its like at the rope's points, shape (rows, n).
 
         None if not recorded.
         """
@@ -129,7 +129,7 @@ def is_along(name: str) -> bool:
 def match_signals(patterns: Iterable[str], available: Sequence[str]) -> tuple[str, ...]:
     """Return the available signals that match the patterns, in their order.
 
-    A `*` stands for any letters.
+    A ``*`` stands for any letters.
     """
     matches: dict[str, None] = {}
     for pattern in patterns:
@@ -146,9 +146,9 @@ def match_signals(patterns: Iterable[str], available: Sequence[str]) -> tuple[st
 
 
 def write_csv(recording: Recording, path: Path, names: Sequence[str] = ()) -> None:
-    """Write signals with their time, header `name [unit]`.
+    """Write signals with their time, header ``name [unit]``.
 
-    Without names all but those of `is_along`.
+    Without names all but those of ``is_along``.
     """
     if names:
         names = [TIME, *(name for name in names if name in recording and name != TIME)]

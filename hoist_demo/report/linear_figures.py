@@ -12,8 +12,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hoist_demo.design.linear_model import LinearModel, Modes
-from hoist_demo.design.reduction import ALPHA, SLOWEST
+from hoist_demo.design.linear_model import LinearModel, UndampedModes
+from hoist_demo.design.reduced_model import ALPHA, SLOWEST
 from hoist_demo.report.figures import ACCENTS, REFERENCE, STYLE, save_figure
 
 _CHANNELS = (
@@ -28,7 +28,7 @@ _COLOURS = "viridis"  #: Of heights, and of the hoist's share.
 
 def write_modes_figure(
     models: Sequence[LinearModel],
-    modes: Sequence[Modes],
+    modes: Sequence[UndampedModes],
     without: LinearModel,
     band: float,
     path: Path,
@@ -76,7 +76,11 @@ def _colour(at: float) -> tuple[float, ...]:
 
 
 def _frequencies(
-    figure: Figure, ax: Axes, models: Sequence[LinearModel], modes: Sequence[Modes], band: float
+    figure: Figure,
+    ax: Axes,
+    models: Sequence[LinearModel],
+    modes: Sequence[UndampedModes],
+    band: float,
 ) -> None:
     for model, modes_here in zip(models, modes, strict=True):
         order = np.argsort(modes_here.shares[0])
@@ -101,7 +105,7 @@ def _frequencies(
     ax.set_ylim(0.0, band)
 
 
-def _poles(ax: Axes, models: Sequence[LinearModel], modes: Sequence[Modes]) -> None:
+def _poles(ax: Axes, models: Sequence[LinearModel], modes: Sequence[UndampedModes]) -> None:
     """Draw the upper poles of the modes.
 
     Those with hardly any damping lie on the imaginary axis.

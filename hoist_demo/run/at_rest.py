@@ -60,7 +60,7 @@ class RopeAtRest:
 def ropes_at_rest(case: Case, name: str, values: Mapping[str, Value]) -> list[RopeAtRest]:
     """Return the ropes of a hoist at rest; RuntimeError where one cannot hang.
 
-    `name` is how the hoist is found, `values` are set beside its file.
+    ``name`` is how the hoist is found, ``values`` are set beside its file.
     """
     run = build_single_trip(name, values)
     ropes = ropes_of(case, run, {}, case.level).ropes

@@ -53,7 +53,7 @@ class _Entries:
         self._values_by_prefix[""] = case.values
 
     def entry(self, name: str, value: Value, prefix: str = "") -> ParameterValue:
-        """Return the entry of a value; `prefix` is that of one of several ropes."""
+        """Return the entry of a value; ``prefix`` is that of one of several ropes."""
         of_rope = self._values_by_prefix.get(prefix, {})
         entry_in_file = of_rope.get(name) or self._values.get(name)
         status = self._status_by_name.get(f"{prefix}{name}", SETTING)
@@ -121,7 +121,7 @@ class _WoundHoist(NamedTuple):
 def as_file(case: Case, name: str, values: Mapping[str, Value]) -> str:
     """Return the complete file of a hoist.
 
-    `name` is how it is found, `values` are set beside it.
+    ``name`` is how it is found, ``values`` are set beside it.
     """
     wound = _wound_hoist(case, name, values)
     return complete_file(case, wound.run, wound.ropes, wound.provenance)
@@ -132,7 +132,7 @@ def hoist_provenance(
 ) -> list[SourcedValue]:
     """Return the provenance of all values.
 
-    `name` is how the hoist is found, `values` are set beside its file.
+    ``name`` is how the hoist is found, ``values`` are set beside its file.
     """
     return _wound_hoist(case, name, values or {}).provenance
 

@@ -14,7 +14,7 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from hoist_demo.cases.case import Case
-from hoist_demo.cases.rules import with_values
+from hoist_demo.cases.rules import case_with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.identity import Identity, named_values
@@ -107,14 +107,14 @@ def build(
     nominal: Mapping[str, Value | ParameterValue] | None = None,
     start: float | None = None,
 ) -> RunData:
-    """Return the data of a run; a `ValueError` names what does not fit together.
+    """Return the data of a run; a ``ValueError`` names what does not fit together.
 
-    `values` count as if they stood in the hoist's file; `varied` differ between runs of one hoist,
-    and nothing follows from them: rules and the design of the trip take the `nominal` values in
-    their place, or else those of the file. `start` is the height of the left conveyance before the
-    trip [m]; None: at a landing.
+    ``values`` count as if they stood in the hoist's file; ``varied`` differ between runs of one
+    hoist, and nothing follows from them: rules and the design of the trip take the ``nominal``
+    values in their place, or else those of the file. ``start`` is the height of the left conveyance
+    before the trip [m]; None: at a landing.
     """
-    hoist_case = with_values(find_case(case), values)
+    hoist_case = case_with_values(find_case(case), values)
     varied = dict(varied or {})
     differing = values_of(varied)
     status_by_name = dict(hoist_case.status_by_name)
@@ -156,7 +156,7 @@ def build_single_trip(
 ) -> RunData:
     """Return the data of a run of one trip, from a landing; ValueError also for a jam that it misses.
 
-    The arguments are those of `build`.
+    The arguments are those of ``build``.
     """
     run = build(case, values, signals, varied, nominal)
     require_jams_on_the_way(run.hoist, run.winding)

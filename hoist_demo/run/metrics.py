@@ -3,7 +3,7 @@
 NaN for those that the run, the rope or its fidelity does not provide.
 
 Arrival. The reference arrives at a known time; the conveyances have arrived when they stay within
-`Arrival` from then on. Residual swing is the height of a conveyance against the rope's end at the
+``Arrival`` from then on. Residual swing is the height of a conveyance against the rope's end at the
 sheave, so that a slow creep of the drive is not counted as swing; it is counted as time.
 """
 
@@ -152,7 +152,7 @@ ROPE_METRICS = frozenset(
 
 
 def names_of(metric: str, ropes: Sequence[str]) -> list[str]:
-    """Return a metric's names, `ROPE.metric` for each of several ropes.
+    """Return a metric's names, ``ROPE.metric`` for each of several ropes.
 
     The only rope's name is "".
     """
@@ -212,7 +212,7 @@ def measure(result: Result, hoist: Hoist, arrival: Arrival) -> Measures:
 def measure_ropes(
     result: Result, hoist: Hoist, arrival: Arrival, ropes: Sequence[str]
 ) -> dict[str, float]:
-    """Return all metrics of a run by their `names_of` for these ropes."""
+    """Return all metrics of a run by their ``names_of`` for these ropes."""
     if tuple(ropes) == ("",):
         return measure(result, hoist, arrival).metrics
     metrics = measure(result, hoist, arrival).metrics

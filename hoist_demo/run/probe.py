@@ -22,7 +22,7 @@ MAX_LISTED = 5  #: Differences between an FMU and a hoist that a message lists.
 TEXT_ROUNDING = 1e-12
 
 
-class Probe:
+class FmuProbe:
     """Trial starts of an FMU, each made only once."""
 
     def __init__(self, fmu: Path) -> None:

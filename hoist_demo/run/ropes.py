@@ -7,7 +7,7 @@ from functools import cached_property
 from itertools import combinations
 
 from hoist_demo.cases.case import BalanceRopeData, Case
-from hoist_demo.cases.rules import with_values
+from hoist_demo.cases.rules import case_with_values
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
@@ -130,7 +130,7 @@ class Ropes:
     def provenance(self, status_by_name: Mapping[str, str]) -> list[SourcedValue]:
         """Return the provenance of the ropes' data, under each rope's name.
 
-        `status_by_name` as `rope_provenance`.
+        ``status_by_name`` as ``rope_provenance``.
         """
         rows = []
         for rope, data in zip(self.ropes, self.data(), strict=True):
@@ -146,16 +146,16 @@ def ropes_of(
     level: Level,
     outputs: Collection[str] | None = None,
 ) -> Ropes:
-    """Return the ropes of a hoist with `overrides` as if they stood in its file.
+    """Return the ropes of a hoist with ``overrides`` as if they stood in its file.
 
     A ValueError lists all problems.
 
-    `outputs` are those that are recorded of each rope, as of `OneRope`.
+    ``outputs`` are those that are recorded of each rope, as of ``OneRope``.
     """
     if not case.distinct_ropes:
         parameters = {**run.rope_values, **fmu_part(values_of(overrides))}
         return Ropes(case, run, (OneRope("", parameters, level, case, outputs=outputs),))
-    case = with_values(case, overrides)
+    case = case_with_values(case, overrides)
     guards = _guards(run.rope_values)
     for rope in case.distinct_ropes:
         guards |= _guards(rope.parameters)
@@ -189,7 +189,7 @@ def _guards(values: Mapping[str, Value]) -> set[str]:
 
 
 def require_unbroken(case: Case, what: str) -> None:
-    """Refuse a rope that breaks, where `what` has no place for it."""
+    """Refuse a rope that breaks, where ``what`` has no place for it."""
     for rope in case.distinct_ropes:
         if rope.breaks:
             raise ValueError(

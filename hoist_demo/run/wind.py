@@ -23,8 +23,8 @@ def wind_run(
 ) -> Result:
     """Return the co-simulation of a run with any rope.
 
-    `drive` is the design of the run if it is known; `neighbours` are the trips of a duty before and
-    after. `progress`, `save_to`, `resume` and `name` are those of `Host.run`.
+    ``drive`` is the design of the run if it is known; ``neighbours`` are the trips of a duty before
+    and after. ``progress``, ``save_to``, ``resume`` and ``name`` are those of ``Host.run``.
     """
     drive = drive or design_drive(run)
     host = Host(

@@ -2,5 +2,5 @@
 
 Reads from top to bottom as definition (the TOML file, checked) -> provenance -> sampling ->
 outcome (of one run) -> objective -> store -> cluster -> trends -> perform. One run is in
-`hoist_demo.run`, the command in `command_line`.
+``hoist_demo.run``, the command in ``command_line``.
 """

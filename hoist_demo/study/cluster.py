@@ -10,9 +10,10 @@ import logging
 import math
 import os
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import NamedTuple
 
 import dask
 from dask.distributed import (
@@ -116,55 +117,94 @@ def run_samples(
     if not waiting:
         return keys
     client.register_plugin(FmuOnWorkers(study.fmu_hash, study.fmu.read_bytes()))
-    submitted = as_completed()
-    batches: dict[Future, list[str]] = {}
-    remaining = [*waiting]
-    pace = BATCH  # time that a run takes [s]
-
-    def submit(batch: list[str]) -> None:
-        runs = [waiting[key] for key in batch]
-        name = f"runs-{len(batch)}-{batch[0]}"
-        future = client.submit(_work, runs, study.fmu_hash, key=name, pure=False)
-        batches[future] = batch
-        submitted.add(future)
-
-    while remaining or batches:
-        threads = max(1, sum(client.ncores().values()))
-        while remaining and len(batches) < QUEUED_BATCHES * max(threads, MIN_THREADS):
-            size = max(1, min(int(BATCH / pace), len(remaining) // (QUEUED_BATCHES * threads)))
-            submit(remaining[:size])
-            del remaining[:size]
-        future = next(submitted)
-        batch = batches.pop(future)  # a worker keeps outcomes as long as anybody holds their future
-        try:
-            outcomes, worker, took = future.result()
-            pace = max(took / len(batch), 0.5 * pace)  # one that fails at once says little
-        except Exception as error:  # whatever the cluster raises is that run's cause
-            if len(batch) > 1:  # it is not known which
-                for key in batch:
-                    submit([key])
-                continue
-            cause = f"{type(error).__name__}: {error}"
-            outcomes = [Outcome(ERROR, cause, dict.fromkeys(UNITS, math.nan), {})]
-            worker = ""
-        for key, outcome in zip(batch, outcomes, strict=True):
-            store.write(key, waiting[key], outcome, worker)
-            _log.info(
-                "%s %s on %s: %s", key, outcome.status, worker, outcome.cause or "wound to the end"
-            )
-            finished(key, outcome)
+    for one in _Batches(client, study.fmu_hash, waiting).finished():
+        store.write(one.key, waiting[one.key], one.outcome, one.worker)
+        _log.info(
+            "%s %s on %s: %s",
+            one.key,
+            one.outcome.status,
+            one.worker,
+            one.outcome.cause or "wound to the end",
+        )
+        finished(one.key, one.outcome)
     return keys
 
 
-def _work(runs: Sequence[RunData], fmu_hash: str) -> tuple[list[Outcome], str, float]:
-    """Carry out runs on a worker.
+class _FinishedRun(NamedTuple):
+    """Run that a worker has carried out."""
 
-    Return them with the worker's name and the time that they took [s].
-    """
+    key: str
+    outcome: Outcome
+    worker: str  # its name; "" where the run failed
+
+
+class _FinishedBatch(NamedTuple):
+    """Runs that a worker has carried out in one call."""
+
+    outcomes: list[Outcome]
+    worker: str
+    took: float  # s
+
+
+class _Batches:
+    """Runs that wait for workers, in batches as long as the pace of the runs asks for."""
+
+    def __init__(self, client: Client, fmu_hash: str, waiting: Mapping[str, RunData]) -> None:
+        self._client = client
+        self._fmu_hash = fmu_hash
+        self._waiting = waiting
+        self._remaining = [*waiting]
+        self._submitted = as_completed()
+        self._batches: dict[Future, list[str]] = {}
+        self._pace = BATCH  # time that a run takes [s]
+
+    def finished(self) -> Iterator[_FinishedRun]:
+        """Yield the runs as they finish, and submit others."""
+        while self._remaining or self._batches:
+            self._fill_queue()
+            future = next(self._submitted)
+            # a worker keeps outcomes as long as anybody holds their future
+            batch = self._batches.pop(future)
+            try:
+                done: _FinishedBatch = future.result()
+            except Exception as error:  # whatever the cluster raises is that run's cause
+                if len(batch) > 1:  # it is not known which
+                    for key in batch:
+                        self._submit([key])
+                    continue
+                cause = f"{type(error).__name__}: {error}"
+                failed = Outcome(ERROR, cause, dict.fromkeys(UNITS, math.nan), {})
+                done = _FinishedBatch([failed], worker="", took=0.0)
+            else:
+                # one that fails at once says little
+                self._pace = max(done.took / len(batch), 0.5 * self._pace)
+            for key, outcome in zip(batch, done.outcomes, strict=True):
+                yield _FinishedRun(key, outcome, done.worker)
+
+    def _fill_queue(self) -> None:
+        """Submit batches until there are enough for all threads."""
+        threads = max(1, sum(self._client.ncores().values()))
+        while self._remaining and len(self._batches) < QUEUED_BATCHES * max(threads, MIN_THREADS):
+            by_pace = int(BATCH / self._pace)
+            fair = len(self._remaining) // (QUEUED_BATCHES * threads)
+            size = max(1, min(by_pace, fair))
+            self._submit(self._remaining[:size])
+            del self._remaining[:size]
+
+    def _submit(self, batch: list[str]) -> None:
+        runs = [self._waiting[key] for key in batch]
+        name = f"runs-{len(batch)}-{batch[0]}"
+        future = self._client.submit(_work, runs, self._fmu_hash, key=name, pure=False)
+        self._batches[future] = batch
+        self._submitted.add(future)
+
+
+def _work(runs: Sequence[RunData], fmu_hash: str) -> _FinishedBatch:
+    """Carry out runs on a worker."""
     worker = get_worker()
     begin = time.perf_counter()
     outcomes = [execute(run, _fmu_of(Path(worker.local_directory), fmu_hash)) for run in runs]
-    return outcomes, str(worker.name), time.perf_counter() - begin
+    return _FinishedBatch(outcomes, str(worker.name), time.perf_counter() - begin)
 
 
 def _fmu_of(directory: Path, fmu_hash: str) -> Path:

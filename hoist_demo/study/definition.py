@@ -22,7 +22,7 @@ from pydantic import (
     model_validator,
 )
 
-from hoist_demo.cases.run_values import FileHeader, Values
+from hoist_demo.cases.run_values import FileHeader, ParameterValues
 from hoist_demo.cases.table import NATIVE_ENDING, find_case, fmu_name
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs
@@ -31,7 +31,7 @@ from hoist_demo.files.reading import (
     EMPTY,
     File,
     Flat,
-    Table,
+    TomlTable,
     contents,
     errors_of_file,
     flat,
@@ -45,12 +45,12 @@ from hoist_demo.parameters.quantity import FileParameter, Value
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.run.data import RunData, build_single_trip
 from hoist_demo.run.metrics import ARRIVALS, UNITS
-from hoist_demo.run.probe import Probe
+from hoist_demo.run.probe import FmuProbe
 from hoist_demo.study.objective import Constraint, Judge, Objective, constraints_on, read_weights
 from hoist_demo.study.sampling import Range, grid, latin_hypercube, varied
 
 #: Disturbances over which a study without variants compares its choices.
-LOADS = ("hoist.payload_left", "hoist.payload_right")
+LOAD_KEYS = ("hoist.payload_left", "hoist.payload_right")
 #: Points and steps of a search where its file states none, for each of its ranges.
 POINTS_PER_RANGE = 4
 STEPS_PER_RANGE = 8
@@ -62,13 +62,13 @@ Weights = Annotated[
 ]
 
 
-class Grid(Table):
+class Grid(TomlTable):
     """Sample of all combinations of lists."""
 
     method: Literal["grid"] = "grid"
 
 
-class LatinHypercube(Table):
+class LatinHypercube(TomlTable):
     """Sample of so many points of the ranges."""
 
     method: Literal["latin-hypercube"]
@@ -76,7 +76,7 @@ class LatinHypercube(Table):
     seed: Seed = 0
 
 
-class Tune(Table):
+class Tune(TomlTable):
     """Search of the ranges for the best point: sizes left out follow from their number."""
 
     method: Literal["tune"]
@@ -115,7 +115,7 @@ _METRICS = table_of(
 )
 
 
-def _constraints(table: Table) -> tuple[Constraint, ...]:
+def _constraints(table: TomlTable) -> tuple[Constraint, ...]:
     """Return the bounds of [study.subject_to]; a metric may have two."""
     bounds: list[Constraint] = []
     for _, of_metric in contents(table):
@@ -160,11 +160,11 @@ class StudyHeader(FileHeader):
         return Objective(weights, sense, self.constraints, self.judge)
 
 
-class Variant(Table):
+class Variant(TomlTable):
     """Table [[variant]]: values that are fixed in its runs."""
 
     name: Text = ""
-    values: Values = EMPTY
+    values: ParameterValues = EMPTY
 
 
 def _in_order(content: Any, handler: Callable[[Any], dict[str, Any]]) -> dict[str, Any]:
@@ -196,7 +196,7 @@ class StudyFile(File):
     """Schema of a study's TOML file."""
 
     study: StudyHeader = EMPTY
-    fixed: Values = EMPTY
+    fixed: ParameterValues = EMPTY
     variant: list[Variant] = Field([])
     vary: Annotated[dict[str, Varied], WrapValidator(_in_order), _VARY] = Field({})
     sample: Annotated[
@@ -277,7 +277,7 @@ class StudyFile(File):
         if over is None and len(self.variant) > 1:
             over = list(self.vary)
         elif over is None:
-            over = [key for key in self.vary if key in LOADS]
+            over = [key for key in self.vary if key in LOAD_KEYS]
         for key in {*over} - {*self.vary}:
             raise ValueError(f"over = {key!r} must be varied: name keys of [vary]")
         design_keys = tuple(key for key in self.vary if key not in over)
@@ -382,7 +382,7 @@ CheckProgress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
 
 
 def read_study(path: Path, fmu: Path | None = None, progress: CheckProgress = list) -> Study:
-    """Return the study of a file; `fmu` replaces the file's. Raises FileError with all problems."""
+    """Return a file's study; ``fmu`` replaces the file's. FileError lists all problems."""
     file = read(path, StudyFile)
     with errors_of_file(path):
         header = file.study
@@ -417,7 +417,7 @@ def _samples(
     study: Study, points: list[dict[str, Value]], progress: CheckProgress
 ) -> list[StudyRun]:
     """Return the runs of all points, those of a variant one after the other; check all of them."""
-    probe = Probe(study.fmu)
+    probe = FmuProbe(study.fmu)
     samples: list[StudyRun] = []
     every = math.ceil(len(points) * len(study.variants) / MAX_CHECKED)
     with Problems() as problems:

@@ -25,7 +25,7 @@ EXCESS = "excess"  #: Column with the largest excess over a bound, as a part of 
 WARNINGS = "warnings"  #: Column with a run's warnings.
 MISSING = "missing"  #: Column with the reason why a metric is missing.
 MAX_WARNINGS = 3  #: Most warnings in the text on the best choice.
-#: Carries out samples and returns their keys; `cluster.run_samples` with its first two arguments
+#: Carries out samples and returns their keys; ``cluster.run_samples`` with its first two arguments
 #: given.
 RunSamples = Callable[[Sequence[StudyRun]], list[str]]
 
@@ -72,9 +72,9 @@ class StudyResult:
 def run_study(study: Study, store: Store, run: RunSamples) -> StudyResult:
     """Run the study's samples, or its search, and write the table."""
     if study.plan is not None:
-        return _write(study, store, *_search(study, study.plan, store, run))
-    samples: list[StudyRun] = list(study.samples)
-    return _write(study, store, samples, run(samples))
+        return _write(study, store, _search(study, study.plan, store, run))
+    run(study.samples)
+    return _write(study, store, study.samples)
 
 
 def write_partial_results(study: Study, store: Store) -> Path | None:
@@ -86,22 +86,14 @@ def write_partial_results(study: Study, store: Store) -> Path | None:
         if any((store.directory / "runs").glob("*.json")):
             return store.directory
         return None
-    finished: list[StudyRun] = []
-    keys: list[str] = []
-    for sample in study.samples:
-        key = sample.data.key(study.fmu_hash)
-        if store.read(key):
-            finished.append(sample)
-            keys.append(key)
+    finished = [one for one in study.samples if store.read(one.data.key(study.fmu_hash))]
     if not finished:
         return None
-    return _write(study, store, finished, keys).table
+    return _write(study, store, finished).table
 
 
-def _search(
-    study: Study, plan: Plan, store: Store, run: RunSamples
-) -> tuple[list[StudyRun], list[str]]:
-    """Search, and return all its runs in their order, with their keys."""
+def _search(study: Study, plan: Plan, store: Store, run: RunSamples) -> list[StudyRun]:
+    """Search, and return all its runs in their order."""
     ranges = {key: r for key, r in study.varied.items() if isinstance(r, Range)}
     assert study.objective is not None
     objective = study.objective
@@ -124,7 +116,7 @@ def _search(
     samples: list[StudyRun] = []
     for point in search(scores, len(ranges), plan).points:
         samples += samples_at(point)
-    return samples, [sample.data.key(study.fmu_hash) for sample in samples]
+    return samples
 
 
 def _outcome(store: Store, key: str) -> dict[str, Any]:
@@ -137,9 +129,9 @@ def _outcome(store: Store, key: str) -> dict[str, Any]:
     return outcome
 
 
-def _write(
-    study: Study, store: Store, samples: Sequence[StudyRun], keys: Sequence[str]
-) -> StudyResult:
+def _write(study: Study, store: Store, samples: Sequence[StudyRun]) -> StudyResult:
+    """Write the table of runs that the store has, and return what is to be said of them."""
+    keys = [sample.data.key(study.fmu_hash) for sample in samples]
     outcomes = [_outcome(store, key) for key in keys]
     varied = [name for name in study.units if _differs(name, samples)]
     numbers: dict[tuple[Value, ...], int] = {}
@@ -159,9 +151,7 @@ def _write(
         if outcome["passed"]:
             passages[name] = outcome["passed"]
         for text in outcome["warnings"]:
-            kind = kind_of(text)
-            first = next((first for first in warnings if kind_of(first) == kind), text)
-            warnings.setdefault(first, []).append(name)
+            _add_warning(warnings, text, name)
     units = {**study.units, **UNITS, JUDGED: "1", WITHIN: "1", EXCESS: "1"}
     if study.objective:
         units[JUDGED] = study.objective.unit
@@ -175,6 +165,13 @@ def _write(
         choices=choices,
         best=_best(study, samples, outcomes, choices, scores),
     )
+
+
+def _add_warning(warnings: dict[str, list[str]], text: str, run: str) -> None:
+    """Add a run to those with a warning of this kind, which stand under the first text of it."""
+    kind = kind_of(text)
+    first = next((first for first in warnings if kind_of(first) == kind), text)
+    warnings.setdefault(first, []).append(run)
 
 
 def _differs(name: str, samples: Sequence[StudyRun]) -> bool:

@@ -53,7 +53,7 @@ def grid(lists: Mapping[str, tuple[Value, ...]]) -> list[dict[str, Value]]:
 
 
 def latin_hypercube(ranges: Mapping[str, Range], runs: int, seed: int) -> list[dict[str, Value]]:
-    """Draw `runs` points, each range cut into as many strips with one point in each."""
+    """Draw ``runs`` points, each range cut into as many strips with one point in each."""
     from scipy.stats import qmc  # slow to load, and a grid needs none
 
     shares = qmc.LatinHypercube(d=len(ranges), rng=np.random.default_rng(seed)).random(runs)

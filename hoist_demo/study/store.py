@@ -3,7 +3,7 @@
     runs/KEY.json       data and outcome of a run; a file that exists is complete
     signals/KEY.parquet its time series and their instants, where the study keeps any; units as in results.parquet
     results.parquet     one row per run in the study's order, units in the schema's field metadata
-    results.csv         the same, header `name [unit]`
+    results.csv         the same, header ``name [unit]``
 
 The table holds no date: the same study writes the same bytes. pandas and pyarrow are loaded where
 tables are written or read: no worker does, and they took a quarter of the time in which it loads
@@ -143,7 +143,7 @@ class Store:
 
 
 def read_results(path: Path) -> Results:
-    """Read a study's `results.parquet` or the series of a run, with the units."""
+    """Read a study's ``results.parquet`` or the series of a run, with the units."""
     import pyarrow.parquet as pq
 
     table = pq.read_table(path)

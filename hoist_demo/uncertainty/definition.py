@@ -8,7 +8,7 @@ from typing import Literal, Self
 from pydantic import Field, field_validator, model_validator
 
 from hoist_demo.cases.case import BalanceRopeData, Case
-from hoist_demo.cases.rules import with_values
+from hoist_demo.cases.rules import case_with_values
 from hoist_demo.cases.run_values import LevelHeader, RopeAnalysisFile, RunFile
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of, values_by_name
@@ -142,7 +142,7 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
     @cached_property
     def _case(self) -> Case:
         """Hoist with the values of the file, as far as they are not drawn."""
-        return with_values(find_case(self.header.hoist), self._fixed)
+        return case_with_values(find_case(self.header.hoist), self._fixed)
 
     @property
     def _fixed(self) -> Mapping[str, ParameterValue]:

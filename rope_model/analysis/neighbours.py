@@ -52,7 +52,7 @@ SMALL_FORCE = 1e-3  #: N, error of the law that is always allowed
 #: a step is halved if the created energy exceeds this fraction of the largest work of any step
 CREATED_FRACTION = 0.02
 SLOW = 0.1  #: m/s, speed at which the kinetic energy of a metre of the rope is a lower bound of that work
-SHORTEST_STEP = 2e-3  #: s, shortest step
+MIN_CONTACT_STEP = 2e-3  #: s, shortest step
 #: a step is also halved if touching points approach by more diameters: they might pass through each
 #: other
 LEAP = 0.5
@@ -108,6 +108,25 @@ class Contacts:
     insets: Mapping[PairKey, float]  #: depth of the ropes in each other at the start, m
     forces: Mapping[PairKey, PairContact]  #: present forces
     accounts: Mapping[PairKey, Account]  #: contact until now
+
+
+class _ForcesOnRope(NamedTuple):
+    """Contact forces on one rope, by the pairs that it belongs to."""
+
+    s: list[Array]  # m
+    force: list[Array]  # (m, 3), N
+
+
+def _forces_on(k: int, forces: Forces) -> _ForcesOnRope:
+    """Return the forces on rope ``k``; a pair has those on its first rope."""
+    found = _ForcesOnRope([], [])
+    for key, contact in forces.items():
+        if k not in key:
+            continue
+        is_first = key[0] == k
+        found.s.append(contact.s[0] if is_first else contact.s[1])
+        found.force.append(contact.force if is_first else -contact.force)
+    return found
 
 
 class Neighbours:
@@ -173,7 +192,7 @@ class Neighbours:
         for partner in partners:
             partner.begin(t, h)
         missed = self._whole_step(t, h, partners)
-        shortest = 0.5 * h < SHORTEST_STEP
+        shortest = 0.5 * h < MIN_CONTACT_STEP
         if missed is not None and (
             shortest or (missed <= TOLERANCE and not self._too_long(before))
         ):
@@ -238,26 +257,18 @@ class Neighbours:
         """Apply forces that change from the present ones to those of ``end``."""
         present = self.contacts.forces
         for k, partner in enumerate(partners):
-            starts, stops = (  # arc lengths on rope k, and forces there
-                [
-                    (f.s[0], f.force) if key[0] == k else (f.s[1], -f.force)
-                    for key, f in x.items()
-                    if k in key
-                ]
-                for x in (present, end)
-            )
-            s = np.concatenate([s for s, _ in (*starts, *stops)])
-            forces = [np.concatenate([f for _, f in x]) for x in (starts, stops)]
-            first, last = (
-                np.concatenate(x) for x in ((forces[0], 0 * forces[1]), (0 * forces[0], forces[1]))
-            )
-            if partner.rope is not None:
-                order = np.argsort(s, kind="stable")
-                partner.rope.apply(
-                    PointForces(s[order], first[order], last[order], t, t + h)
-                    if s.size
-                    else NO_FORCES
-                )
+            if partner.rope is None:
+                continue
+            before = _forces_on(k, present)
+            after = _forces_on(k, end)
+            s = np.concatenate((*before.s, *after.s))
+            if not s.size:
+                partner.rope.apply(NO_FORCES)
+                continue
+            first = np.concatenate((*before.force, *(0 * force for force in after.force)))
+            last = np.concatenate((*(0 * force for force in before.force), *after.force))
+            order = np.argsort(s, kind="stable")
+            partner.rope.apply(PointForces(s[order], first[order], last[order], t, t + h))
 
     def _book(
         self, t: float, before: Present, after: Present, end: Forces, law: Forces, missed: float

@@ -19,7 +19,7 @@ from rope_model.physics import hermite, rope_contact
 from rope_model.physics.centreline import enclosing_box
 
 #: number of points in a group, which is first checked by its middle
-GROUP = 16
+POINTS_IN_GROUP = 16
 
 Numbers = np.ndarray[Any, np.dtype[np.int64]]
 
@@ -72,6 +72,43 @@ NO_CONTACTS = PairContact(
 )
 
 
+class _NearElements(NamedTuple):
+    """Pairs of elements that may touch."""
+
+    mine: Numbers  # (n,), of the first rope
+    theirs: Numbers  # (n,), of the other
+
+
+class _NearPoints(NamedTuple):
+    """Points of the first rope, each with the nearest point on one element of the other."""
+
+    number: Numbers  # (m,), of the point along the first rope
+    s: Array  # (m,), m
+    their_s: Array  # (m,), m, on the other rope
+    distance: Array  # (m,), m
+
+
+class _TouchingPoints(NamedTuple):
+    """Pairs of points in contact."""
+
+    number: Numbers  # (m,), of the point along the first rope and of the strand of the other
+    s: Array  # (2, m), m, on both ropes
+
+
+class _Extent(NamedTuple):
+    """Box that encloses a whole rope."""
+
+    low: Array  # (3,), m
+    high: Array  # (3,), m
+
+
+def _extent_of(rope: Rows) -> _Extent:
+    """Return the box around the boxes of the elements."""
+    middle = rope.boxes[:3]
+    half = rope.boxes[3:]
+    return _Extent((middle - half).min(axis=1), (middle + half).max(axis=1))
+
+
 class Pair:
     """Two ropes that may touch."""
 
@@ -89,64 +126,67 @@ class Pair:
         The ropes are taken to be thinner by ``inset`` (m).
         """
         near = self._near(one, other)
-        if not near[0].size:
+        if not near.mine.size:
             return NO_CONTACTS
-        number, s = self._touching(*self._nearest(one, other, *near), self.diameter - inset)
-        if number.size:
-            return self._law_at(number, s, one, other, c, self.diameter - inset)
+        diameter = self.diameter - inset
+        touching = self._touching(self._nearest(one, other, near), diameter)
+        if touching.number.size:
+            return self._law_at(touching, one, other, c, diameter)
         return NO_CONTACTS
 
     def inset(self, one: Rows, other: Rows) -> float:
         """Return the largest penetration depth (m)."""
         near = self._near(one, other)
-        if near[0].size:
-            distance = self._nearest(one, other, *near)[-1]
-        else:
-            distance = np.zeros(0)
+        if not near.mine.size:
+            return 0.0
+        distance = self._nearest(one, other, near).distance
         return max(self.diameter - float(distance.min(initial=self.diameter)), 0.0)
 
-    def _near(self, one: Rows, other: Rows) -> tuple[Numbers, Numbers]:
+    def _near(self, one: Rows, other: Rows) -> _NearElements:
         """Return pairs of elements that may touch (broad phase)."""
-        (low, high), (their_low, their_high) = (
-            ((x.boxes[:3] - x.boxes[3:]).min(axis=1), (x.boxes[:3] + x.boxes[3:]).max(axis=1))
-            for x in (one, other)
-        )
-        if (low - their_high >= self.diameter).any() or (their_low - high >= self.diameter).any():
-            return NO_CONTACTS.point_id, NO_CONTACTS.point_id
+        extent = _extent_of(one)
+        their_extent = _extent_of(other)
+        apart = (extent.low - their_extent.high >= self.diameter).any()
+        apart |= (their_extent.low - extent.high >= self.diameter).any()
+        if apart:
+            return _NearElements(NO_CONTACTS.point_id, NO_CONTACTS.point_id)
         mine = one.boxes[:, :, None]
         theirs = other.boxes[:, None]
         gaps = np.abs(mine[:3] - theirs[:3]) - (mine[3:] + theirs[3:])
         pairs = np.nonzero((gaps < self.diameter).all(axis=0))
-        return pairs[0], pairs[1]
+        return _NearElements(pairs[0], pairs[1])
 
-    def _nearest(
-        self, one: Rows, other: Rows, mine: Numbers, theirs: Numbers
-    ) -> tuple[Numbers, Array, Array, Array]:
-        """Return numbers and s of points on ``one``, s of the nearest points on ``other``, and their distances (m)."""
+    def _nearest(self, one: Rows, other: Rows, near_elements: _NearElements) -> _NearPoints:
+        """Return points on near elements of ``one``, each with the nearest point of an element of ``other``."""
+        mine = near_elements.mine
+        theirs = near_elements.theirs
         # numbers of the points on each of my elements, in groups; far groups are left out by their
         # middles
         first = np.ceil(one.s / self._spacing - 0.5).astype(np.int64)
-        groups, start = _expanded(-(-np.diff(first)[mine] // GROUP))
-        start = first[mine[groups]] + GROUP * start
-        stop = np.minimum(start + GROUP, first[mine[groups] + 1])
+        groups, start = _expanded(-(-np.diff(first)[mine] // POINTS_IN_GROUP))
+        start = first[mine[groups]] + POINTS_IN_GROUP * start
+        stop = np.minimum(start + POINTS_IN_GROUP, first[mine[groups] + 1])
         middle: Any = 0.5 * (start + stop) * self._spacing
         theirs = theirs[groups]
         ends = _ends(other, theirs)
         l = other.lengths[theirs]
         probed = rope_contact.PROBES[1] - rope_contact.PROBES[0]
-        reach = self.diameter + rope_contact.STRETCH * (GROUP * self._spacing + 0.5 * probed * l)
+        reach = self.diameter + rope_contact.STRETCH * (
+            POINTS_IN_GROUP * self._spacing + 0.5 * probed * l
+        )
         near = _probed(ends, l, one.positions(middle)).min(axis=0) < reach
         groups, number = _expanded((stop - start)[near])
         number = start[near][groups] + number
         theirs = theirs[near][groups]
         s: Any = (number + 0.5) * self._spacing
         their_s, distance = _projected(other, theirs, one.positions(s))
-        return number, s, their_s, distance
+        return _NearPoints(number, s, their_s, distance)
 
-    def _touching(
-        self, number: Numbers, s: Array, their_s: Array, distance: Array, diameter: float
-    ) -> tuple[Numbers, Array]:
+    def _touching(self, near: _NearPoints, diameter: float) -> _TouchingPoints:
         """Return the pairs in contact among the near ones, once for each strand, numbered along the other rope."""
+        number = near.number
+        their_s = near.their_s
+        distance = near.distance
         order = np.lexsort((their_s, distance, number))
         order = order[distance[order] < diameter]
         _, begin, counts = np.unique(number[order], return_index=True, return_counts=True)
@@ -166,11 +206,14 @@ class Pair:
         touching, rank = (np.concatenate(x) for x in zip(*parts, strict=True))
         label = number[touching] * rope_contact.MAX_STRANDS + rank
         touching = touching[np.argsort(label)]
-        return np.sort(label), np.array((s[touching], their_s[touching]))
+        s = np.array((near.s[touching], their_s[touching]))
+        return _TouchingPoints(np.sort(label), s)
 
     def _law_at(
-        self, number: Numbers, s: Array, one: Rows, other: Rows, c: Array, diameter: float
+        self, touching: _TouchingPoints, one: Rows, other: Rows, c: Array, diameter: float
     ) -> PairContact:
+        number = touching.number
+        s = touching.s
         r = one.positions(s[0])
         their_r = other.positions(s[1])
         separation = (r - their_r).T

@@ -21,9 +21,9 @@ Inputs that a host does not give are estimated by fading-memory filters: E. Broo
 Kalman Filtering Made Easy, 1998, chapter 7.  A filter of n-th order with the bandwidth W lags
 behind an acceleration of the rate J by n J / W.
 
-This module holds an end's settings and state.  `input_sample` adds a sample of the host to the
-state, with `input_detectors` of grids and tables; `input_path` leads the end's path to it, and
-`input_misfit` sums the misfits that are left.
+This module holds an end's settings and state.  ``input_sample`` adds a sample of the host to the
+state, with ``input_detectors`` of grids and tables; ``input_path`` leads the end's path to it, and
+``input_misfit`` sums the misfits that are left.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ ALL, POSITION_SPEED, POSITION, SPEED = range(len(CHOICES["inputs.given"]))
 
 Four = tuple[float, float, float, float]
 Axis = tuple[float, float, float]
-Sample = tuple[
+MotionNumbers = tuple[
     float, float, float, float, float, float, float, float, float, float, float, float, float
 ]
 
@@ -87,7 +87,7 @@ class Repetitions(NamedTuple):
 class InputFilter(NamedTuple):
     """State of an end's filter: latest input, filtered motion, misfits so far, and signs of their cause in y."""
 
-    given: Sample = (0.0,) * 13
+    given: MotionNumbers = (0.0,) * 13
     given_at: float = 0.0  # s, instant of the latest sample that is no repetition
     # PATH at that instant, with estimates
     motion: tuple[Axis, Axis, Axis, Axis] = ((0.0, 0.0, 0.0),) * 4

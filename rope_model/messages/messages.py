@@ -149,7 +149,7 @@ too_many_to_differentiate = Template(
     "it took {steps:d} internal steps, and derivatives are those of at most {most:d}; take shorter communication steps"
 )
 
-# use of the native form alone
+# use of one form of the rope alone
 rigid_under_forces = Template(
     "forces do not move the places of a rope with the rigid model; set model.fidelity = torsional (or spatial, planar)"
 )
@@ -160,8 +160,7 @@ wrong_number_of_bytes = Template(
 no_state_in_bytes = Template(
     "these bytes are not a state of this rope; save one anew, or restore it into its own rope"
 )
-native_alone = Template(
-    "the Python form of the rope does not compute {name:s}; take the native one, form='native' of balance_rope or an "
-    "FMU of the native flavour"
+engine_alone = Template(
+    "{refused:s}; take the engine, balance_rope(scene), or an FMU of the native flavour"
 )
 no_such_input = Template("an input's number is 0 to {last:d}")

@@ -9,7 +9,7 @@ with the cubic Hermite shapes N of r.
 """
 
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 
@@ -17,6 +17,7 @@ from rope_model.physics import contact_points, hermite
 from rope_model.physics.contact import SUMS, ContactLaw, contact_law
 from rope_model.physics.element import ELEMENT_DOF, ElementFidelity, ElementFunctions
 from rope_model.physics.elementary import Scalar, Vector, logical_and, where
+from rope_model.physics.node import ANGLE
 from rope_model.physics.shaft import KINDS, Body
 
 LAW = (*ContactLaw._fields, "diameter")  #: entries of the law
@@ -57,18 +58,21 @@ def contact_element(
     c_q, c_v, c_a = (ca.MX.sym(name) for name in ("c_q", "c_v", "c_a"))
     base_args = (F[:base_frame], P[:base_size])
     is_near = ca.sum1(F[base_frame:]) > 0
-    R, J, sums = _integrals(ELEMENT_DOF[fidelity], kinds)
+    contact = _integrals(ELEMENT_DOF[fidelity], kinds)
 
     def added(function: ca.Function, *factors: Scalar) -> ca.MX:
         return _where_near(function)(is_near, q, v, l, F[base_frame:], P[base_size:], *factors)
 
     R_base, J_base = base.tangent(q, v, a, l, *base_args, c_q, c_v, c_a, q_prestress)
-    balance = added(sums)
+    balance = added(contact.sums)
     return base.replaced(
-        residual=([q, v, a, l, F, P], [base.residual(q, v, a, l, *base_args) + added(R)]),
+        residual=(
+            [q, v, a, l, F, P],
+            [base.residual(q, v, a, l, *base_args) + added(contact.residual)],
+        ),
         tangent=(
             [q, v, a, l, F, P, c_q, c_v, c_a, q_prestress],
-            [R_base + added(R), J_base + added(J, c_q, c_v)],
+            [R_base + added(contact.residual), J_base + added(contact.tangent, c_q, c_v)],
         ),
         balance=([q, v, l, F, P], [ca.vertcat(base.balance(q, v, l, *base_args), balance)]),
         losses=([q, v, l, F, P], [ca.vertcat(base.losses(q, v, l, *base_args), balance[1:3])]),
@@ -78,10 +82,41 @@ def contact_element(
     )
 
 
-def _integrals(
-    dofs: tuple[int, ...], kinds: tuple[int, ...]
-) -> tuple[ca.Function, ca.Function, ca.Function]:
-    """Build (q, v, l, near, P) -> R (2 m,), the same and (c_q, c_v) -> J (2 m, 2 m), and -> CONTACT_BALANCE."""
+class _Integrals(NamedTuple):
+    """Functions of (q, v, l, near, P)."""
+
+    residual: ca.Function  # R (2 m,)
+    tangent: ca.Function  # of c_q and c_v too: J (2 m, 2 m)
+    sums: ca.Function  # CONTACT_BALANCE
+
+
+#: Component i of node value k, which is r or r' of either node, to its index among an element's
+#: coordinates.
+_Entries = dict[tuple[int, int], int]
+
+
+def _entries_of(dofs: tuple[int, ...]) -> _Entries:
+    """Return the entries that an element with these degrees of freedom of a node has."""
+    m = len(dofs)
+    index = {dof: i for i, dof in enumerate(dofs) if dof < ANGLE}
+    entries = {}
+    for i in (i for i in range(3) if i in index):
+        for k in range(4):
+            entries[i, k] = index[i + 3 * (k % 2)] + m * (k // 2)
+    return entries
+
+
+def _node_values(x: ca.MX, entries: _Entries) -> ca.MX:
+    """Return the node values (3, 4) in the coordinates or rates ``x``; zeros where it has none."""
+    columns = []
+    for k in range(4):
+        column = [x[entries[i, k]] if (i, k) in entries else 0 for i in range(3)]
+        columns.append(ca.vertcat(*column))
+    return ca.horzcat(*columns)
+
+
+def _integrals(dofs: tuple[int, ...], kinds: tuple[int, ...]) -> _Integrals:
+    """Build the integrals of contact along an element with bodies of these ``kinds``."""
     m = len(dofs)
     q = ca.MX.sym("q", 2 * m)
     v = ca.MX.sym("v", 2 * m)
@@ -90,23 +125,9 @@ def _integrals(
     P = ca.MX.sym("P", len(LAW) + len(kinds) * BODY_SIZE)
     c_q = ca.MX.sym("c_q")
     c_v = ca.MX.sym("c_v")
-    # index in the element of component i of node value k, which is r or r' of a node
-    index = {dof: i for i, dof in enumerate(dofs) if dof < 6}
-    entries = {
-        (i, k): index[i + 3 * (k % 2)] + m * (k // 2)
-        for i in range(3)
-        if i in index
-        for k in range(4)
-    }
-    rows, speeds = (
-        ca.horzcat(
-            *(
-                ca.vertcat(*(x[entries[i, k]] if (i, k) in entries else 0 for i in range(3)))
-                for k in range(4)
-            )
-        )
-        for x in (q, v)
-    )
+    entries = _entries_of(dofs)
+    rows = _node_values(q, entries)
+    speeds = _node_values(v, entries)
 
     force = ca.MX.zeros(3, 4)
     sums = ca.MX.zeros(len(CONTACT_BALANCE))
@@ -125,10 +146,10 @@ def _integrals(
         R[row] = -force[i, k]
         for (j, n), column in entries.items():
             J[row, column] = stiff[_upper(i, j, 3), _upper(k, n, 4)]
-    return (
-        ca.Function("contact_residual", [q, v, l, near, P], [R]),
-        ca.Function("contact_tangent", [q, v, l, near, P, c_q, c_v], [ca.densify(J)]),
-        ca.Function("contact_sums", [q, v, l, near, P], [sums]),
+    return _Integrals(
+        residual=ca.Function("contact_residual", [q, v, l, near, P], [R]),
+        tangent=ca.Function("contact_tangent", [q, v, l, near, P, c_q, c_v], [ca.densify(J)]),
+        sums=ca.Function("contact_sums", [q, v, l, near, P], [sums]),
     )
 
 
@@ -157,13 +178,13 @@ def _body_function(stiff: bool) -> ca.Function:
     l = ca.MX.sym("l")
     P = ca.MX.sym("P", len(LAW) + BODY_SIZE)
     c = [ca.MX.sym("c_q"), ca.MX.sym("c_v")] if stiff else []
-    probe_at, halve, _ = _search_functions()
+    searches = _search_functions()
     start = ca.MX.sym("start")
     stop = ca.MX.sym("stop")
-    ends = [probe_at(xi, rows, l, P) for xi in (start, stop)]
-    bracket = halve.fold(contact_points.HALVINGS)(ca.horzcat(*ends), rows, l, P)
+    ends = [searches.probe(xi, rows, l, P) for xi in (start, stop)]
+    bracket = searches.halve.fold(contact_points.HALVINGS)(ca.horzcat(*ends), rows, l, P)
     turn_xi = ca.if_else(ends[0][2] * ends[1][2] < 0, _turning_function()(bracket), stop)
-    probes = ca.horzcat(ends[0], probe_at(turn_xi, rows, l, P), ends[1])
+    probes = ca.horzcat(ends[0], searches.probe(turn_xi, rows, l, P), ends[1])
     cell = _where_near(_cell_function(stiff))(
         ca.mmax(probes[1, :]) > 0, probes, rows, speeds, l, P, *c
     )
@@ -190,7 +211,32 @@ def _cell_function(stiff: bool) -> ca.Function:
     l = ca.MX.sym("l")
     P = ca.MX.sym("P", len(LAW) + BODY_SIZE)
     c = [ca.MX.sym("c_q"), ca.MX.sym("c_v")] if stiff else []
-    reach = _search_functions()[2]
+    quadrature = _quadrature(probes, rows, l, P)
+    N = quadrature.shares
+    number = N.shape[1]
+    touch = _touch_functions()
+    repeated = (rows @ N, speeds @ N, ca.repmat(P, 1, number))
+    inputs = [probes, rows, speeds, l, P, *c]
+    if stiff:
+        T = touch.tangent.map(number)(*repeated, *(ca.repmat(x, 1, number) for x in c))
+        pairs = [N[k, :] * N[n, :] for k in range(4) for n in range(k, 4)]
+        weights = ca.repmat(quadrature.weights, 1, len(pairs))
+        return ca.Function("cell_tangent", inputs, [T @ (ca.vertcat(*pairs).T * weights)])
+    force, sums = touch.load.map(number)(*repeated)
+    weights = ca.repmat(quadrature.weights, 1, 4)
+    return ca.Function("cell_force", inputs, [force @ (N.T * weights), sums @ quadrature.weights])
+
+
+class _Quadrature(NamedTuple):
+    """Points of a cell at which contact is evaluated."""
+
+    shares: ca.MX  # (4, points), of the node values
+    weights: ca.MX  # (points,), m
+
+
+def _quadrature(probes: ca.MX, rows: ca.MX, l: ca.MX, P: ca.MX) -> _Quadrature:
+    """Return the points between the ends of a cell and the extremum of its depth, by LEVELS of depth."""
+    reach = _search_functions().reach.fold(contact_points.STEPS)
     pieces = []
     for side in (0, 1):
         swapped = probes[1, side] > probes[1, side + 1]
@@ -199,12 +245,9 @@ def _cell_function(stiff: bool) -> ca.Function:
         start = deeper[0]
         for fraction in contact_points.LEVELS:
             level = fraction * P[LAW.index("diameter")]
-            reached = reach.fold(contact_points.STEPS)(
-                ca.vertcat(other, deeper[0]), rows, l, P, level
-            )[0]
-            stop = ca.if_else(
-                deeper[1] <= level, deeper[0], ca.if_else(other[1] >= level, other[0], reached)
-            )
+            reached = reach(ca.vertcat(other, deeper[0]), rows, l, P, level)[0]
+            above = ca.if_else(other[1] >= level, other[0], reached)
+            stop = ca.if_else(deeper[1] <= level, deeper[0], above)
             pieces += [
                 contact_points.contact_point(*point, start, stop)
                 for point in zip(contact_points.PARTS, contact_points.WEIGHTS, strict=True)
@@ -217,30 +260,25 @@ def _cell_function(stiff: bool) -> ca.Function:
     shape_functions = ca.Function(
         "shares", [xi, length], [ca.horzcat(*hermite.shape_functions(xi, length))]
     ).map(number)
-    N = ca.reshape(shape_functions(xi_points.T, l), 4, number)  # a column for each point
-    loads, tangents = (f.map(number) for f in _touch_functions())
-    repeated = rows @ N, speeds @ N, ca.repmat(P, 1, number)
-    weights *= l
-    inputs = [probes, rows, speeds, l, P, *c]
-    if stiff:
-        T = tangents(*repeated, *(ca.repmat(x, 1, number) for x in c))
-        pairs = [N[k, :] * N[n, :] for k in range(4) for n in range(k, 4)]
-        return ca.Function(
-            "cell_tangent", inputs, [T @ (ca.vertcat(*pairs).T * ca.repmat(weights, 1, len(pairs)))]
-        )
-    force, sums = loads(*repeated)
-    return ca.Function(
-        "cell_force", inputs, [force @ (N.T * ca.repmat(weights, 1, 4)), sums @ weights]
-    )
+    # a column for each point
+    return _Quadrature(ca.reshape(shape_functions(xi_points.T, l), 4, number), weights * l)
+
+
+class _Searches(NamedTuple):
+    """Functions with which contact is found along an element."""
+
+    probe: ca.Function  # (xi, rows, l, P) -> probe
+    halve: ca.Function  # (ends, rows, l, P) -> ends of the half with the extremum of the depth
+    reach: ca.Function  # (state, rows, l, P, level) -> state nearer to that depth
 
 
 @cache
-def _search_functions() -> tuple[ca.Function, ca.Function, ca.Function]:
-    """Build (xi, rows, l, P) -> probe, and the steps of the searches for the extremum of the depth and for a depth."""
+def _search_functions() -> _Searches:
     rows = ca.SX.sym("r", 3, 4)
     l = ca.SX.sym("l")
     P = ca.SX.sym("P", len(LAW) + BODY_SIZE)
-    a, b = ([*ca.vertsplit(rows[:, k]), *ca.vertsplit(rows[:, k + 1])] for k in (0, 2))
+    a = [*ca.vertsplit(rows[:, 0]), *ca.vertsplit(rows[:, 1])]
+    b = [*ca.vertsplit(rows[:, 2]), *ca.vertsplit(rows[:, 3])]
     diameter = P[LAW.index("diameter")]
     body, _ = _body(P[len(LAW) :])
     ends = ca.SX.sym("ends", 3, 2)
@@ -264,10 +302,10 @@ def _search_functions() -> tuple[ca.Function, ca.Function, ca.Function]:
         ca.vertcat(next_probe, state[3]),
         ca.vertcat(state[:3], next_probe[0]),
     )
-    return (
-        ca.Function("probe", [xi, rows, l, P], [probe_at(xi)]),
-        ca.Function("halve", [ends, rows, l, P], [ca.cse(ca.horzcat(start, stop))]),
-        ca.Function("reach", [state, rows, l, P, level], [ca.cse(nearer)]),
+    return _Searches(
+        probe=ca.Function("probe", [xi, rows, l, P], [probe_at(xi)]),
+        halve=ca.Function("halve", [ends, rows, l, P], [ca.cse(ca.horzcat(start, stop))]),
+        reach=ca.Function("reach", [state, rows, l, P, level], [ca.cse(nearer)]),
     )
 
 
@@ -288,9 +326,15 @@ def _body(x: Any) -> tuple[Body, Any]:
     return Body(x[0:3], x[3:6], x[6], x[7], x[8], x[9]), x[10:13]
 
 
+class _Touch(NamedTuple):
+    """Contact of a point with one body, per length."""
+
+    load: ca.Function  # (point, velocity, P) -> force (3,) and SUMS
+    tangent: ca.Function  # (point, velocity, P, c_q, c_v) -> tangent
+
+
 @cache
-def _touch_functions() -> tuple[ca.Function, ca.Function]:
-    """Build (point, velocity, P) -> force (3,) and SUMS of one body per length, and with (c_q, c_v) -> tangent."""
+def _touch_functions() -> _Touch:
     point = ca.SX.sym("point", 3)
     speed = ca.SX.sym("speed", 3)
     P = ca.SX.sym("P", len(LAW) + BODY_SIZE)
@@ -300,13 +344,9 @@ def _touch_functions() -> tuple[ca.Function, ca.Function]:
     law = ContactLaw._make(entries[:-1])
     body, body_velocity = _body(P[len(LAW) :])
     terms = contact_law(law, entries[-1], body, body_velocity, point, speed, c_q, c_v)
-    return (
-        ca.Function(
-            "contact_law",
-            [point, speed, P],
-            ca.cse([ca.vertcat(*terms.force), ca.vertcat(*terms.sums)]),
-        ),
-        ca.Function(
-            "touch_tangent", [point, speed, P, c_q, c_v], [ca.cse(ca.vertcat(*terms.tangent))]
-        ),
+    load = [ca.vertcat(*terms.force), ca.vertcat(*terms.sums)]
+    tangent = ca.cse(ca.vertcat(*terms.tangent))
+    return _Touch(
+        load=ca.Function("contact_law", [point, speed, P], ca.cse(load)),
+        tangent=ca.Function("touch_tangent", [point, speed, P, c_q, c_v], [tangent]),
     )

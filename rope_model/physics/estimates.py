@@ -14,7 +14,7 @@ l_long
     planar or spatial on a rope with torque:   kappa longitudinal + psi^2 lean + whip + release
     rigid against planar:                      longitudinal + lean
 
-Constants that no theory gives are measured; `python -m evidence --measure choice:estimates`
+Constants that no theory gives are measured; ``python -m evidence --measure choice:estimates``
 compares estimate and error.  ``scene`` gives rope and layout; works on numbers and CasADi
 expressions.
 """

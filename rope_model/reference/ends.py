@@ -12,6 +12,7 @@ import numpy as np
 
 from rope_model.arrays import Array
 from rope_model.boundary.end_paths import MOTION_BOUNDS, PATH, EndMotion
+from rope_model.messages import messages
 
 YAW = PATH.index("yaw")  #: column of an end's yaw
 #: values and first and second derivatives of the powers 0 to 5 of u at 0 and at 1 (6, 6), inverted
@@ -80,20 +81,23 @@ def refusal(motion: EndMotion, side: str) -> str | None:
     """Return None if an end can be there; else value, bound and cure."""
     for name, bound in MOTION_BOUNDS.items():
         value = getattr(motion, name)
-        if not math.isfinite(value) or abs(value) > bound:
-            return (
-                f"{side}.{name} = {value:g} must be within -{bound:g} and {bound:g}: check its unit"
-            )
+        if not math.isfinite(value):
+            return messages.input_not_finite(side, name, value)
+        if abs(value) > bound:
+            return messages.input_out_of_range(side, name, value, bound)
         if name.startswith("lean") and value != 0:
-            return (
-                f"{side}.{name} = {value:g} rad must be 0: the reference rope knows plumb ends "
-                "only; take the engine, balance_rope(scene)"
-            )
+            return messages.no_clamp(side, name, value)
     return None
 
 
-def peak_acceleration(path: EndQuintic) -> float:
-    """Return the largest acceleration (m/s^2, rad/s^2) at the quarters of the path."""
+def too_rough(path: EndQuintic, side: str, acceleration_max: float) -> str | None:
+    """Return None if no acceleration at the quarters of the path is above the bound; else value and cure."""
     quarter = 0.25 * (path.stop - path.start)
     samples = [path.at(path.start + k * quarter)[2] for k in (1, 2, 3)]
-    return float(np.abs(samples).max())
+    peaks = np.abs(samples).max(axis=0)
+    worst = int(np.argmax(peaks))
+    peak = float(peaks[worst])
+    if peak <= acceleration_max:
+        return None
+    unit = "rad/s^2" if worst == YAW else "m/s^2"
+    return messages.inputs_do_not_fit(side, PATH[worst], peak, unit, acceleration_max)

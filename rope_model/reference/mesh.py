@@ -21,6 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rope_model.arrays import Array
+from rope_model.messages import messages
 from rope_model.method.mesh_fit import FADE_ERROR, MESH_SHARE, fit_elements
 from rope_model.method.mesh_pattern import (
     DUE_EARLY,
@@ -89,10 +90,7 @@ def mesh_of(scene: Scene, bottom_s: float) -> RopeMesh:
     inner = float(inner_length(given.counts))  # l
     outer = int(nearest_whole(length / given.coarse_length - inner))  # l, of I and VII
     if outer < 2:
-        raise ValueError(
-            f"segments II to VI take {inner * given.coarse_length:.4g} m of a rope of "
-            f"{length:g} m: shorten mesh.coarse_length or lower the element counts"
-        )
+        raise ValueError(messages.too_few_lengths(inner * given.coarse_length, length))
     coarse = length / (outer + inner)
     min_elements = int(min_outer(given.counts))
     first = int(nearest_whole(bottom_s / coarse - 0.5 * inner))

@@ -182,10 +182,10 @@ def shape_values(scene: Scene, state: State) -> Values:
     }
 
 
-OutputFunction = Callable[[Scene, State], Values]
+ValuesFunction = Callable[[Scene, State], Values]
 
 
-def function_of(name: str) -> OutputFunction | None:
+def values_function(name: str) -> ValuesFunction | None:
     """Return the function that computes the output ``name`` and related ones, or None."""
     part, _, rest = name.partition(".")
     if name in ("left.twist", "right.twist", "loop.twist") or part == "stress":
@@ -204,4 +204,4 @@ def function_of(name: str) -> OutputFunction | None:
 
 
 #: names of all outputs, in the order of the signal table
-NAMES = tuple(name for name in SIGNALS if function_of(name))
+COMPUTED_NAMES = tuple(name for name in SIGNALS if values_function(name))

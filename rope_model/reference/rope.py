@@ -19,12 +19,12 @@ from rope_model.messages import messages
 from rope_model.method.stepping import MAX_START_TIME, MAX_STEPS, MIN_INTERVAL
 from rope_model.parameters import Scene
 from rope_model.physics.node import ANGLE, SIDES
-from rope_model.reference.ends import onwards, peak_acceleration, refusal, resting
+from rope_model.reference.ends import onwards, refusal, resting, too_rough
 from rope_model.reference.equations import HEIGHT
 from rope_model.reference.hanging import hang
 from rope_model.reference.mesh import mesh_of, require_mesh_of
 from rope_model.reference.newton import Cause, Failure
-from rope_model.reference.outputs import NAMES, function_of
+from rope_model.reference.outputs import COMPUTED_NAMES, values_function
 from rope_model.reference.result_warnings import warnings_of
 from rope_model.reference.scope import require_published
 from rope_model.reference.state import State, require_finite
@@ -33,8 +33,6 @@ from rope_model.reference.stepping import step_towards
 from rope_model.saved_state import require_form, require_same_rope, state_behind_label
 from rope_model.signals.signal_table import checked_names
 from rope_model.state import RopeState
-
-CURE = "take the engine, balance_rope(scene)"
 
 
 class ReferenceRope(BalanceRope):
@@ -82,7 +80,7 @@ class ReferenceRope(BalanceRope):
     @property
     def state(self) -> State:  # type: ignore[override]  # the published system alone
         if self._state is None:
-            raise RuntimeError("the rope has no state yet: call initialize first")
+            raise RuntimeError(messages.no_state())
         return self._state
 
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
@@ -94,11 +92,7 @@ class ReferenceRope(BalanceRope):
                 return Status(False, message)
             speed = max(map(abs, (*motion.velocity, motion.yaw_rate)))
             if speed > RESTS_BELOW:
-                return Status(
-                    False,
-                    f"the {side} end moves at {speed:g} m/s or rad/s at the start and must rest: "
-                    "start before it moves",
-                )
+                return Status(False, messages.moves_at_start(side))
         try:
             self._state = hang(self._scene, t, (resting(t, left), resting(t, right)))
         except (StaticsError, ValueError) as error:
@@ -108,47 +102,46 @@ class ReferenceRope(BalanceRope):
     def advance_to(
         self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None
     ) -> Status:
-        scene = self._scene
         before = self.state
-        start = before.motion.t
-        if abs(t - start) < MIN_INTERVAL:
+        if abs(t - before.motion.t) < MIN_INTERVAL:
             return Status(True)
-        message = self._time_refused(t, t if given_at is None else given_at)
+        if given_at is None:
+            given_at = t
+        message = self._time_refused(t, given_at)
         if message is not None:
             return Status(False, message)
-        age = 0.0 if given_at is None else t - given_at
         paths = []
         for side, path, motion in zip(SIDES, before.paths, (left, right), strict=True):
             message = refusal(motion, side)
             if message is not None:
                 return Status(False, message)
-            following_path = onwards(path, t, motion, age)
-            peak = peak_acceleration(following_path)
-            if not peak <= scene.inputs.acceleration_max:
-                return Status(
-                    False,
-                    f"the {side} end would accelerate by {peak:.4g} m/s^2 or rad/s^2, above "
-                    f"inputs.acceleration_max = {scene.inputs.acceleration_max:g}: give positions, "
-                    "speeds and accelerations of one motion",
-                )
+            following_path = onwards(path, t, motion, age=t - given_at)
+            message = too_rough(following_path, side, self._scene.inputs.acceleration_max)
+            if message is not None:
+                return Status(False, message)
             paths.append(following_path)
-        state = replace(before, paths=(paths[0], paths[1]), events=())
+        after = self._advanced(replace(before, paths=(paths[0], paths[1]), events=()), t)
+        if isinstance(after, Failure):
+            return Status(False, failure_message(after))
+        self._state = after
+        return Status(True)
+
+    def _advanced(self, state: State, t: float) -> State | Failure:
+        """Return the state after the steps to ``t`` (s), with the mean forces on the way."""
+        start = state.motion.t
         impulse = np.zeros(2)
         for _ in range(MAX_STEPS):
-            after = step_towards(scene, state, t)
+            after = step_towards(self._scene, state, t)
             if isinstance(after, Failure):
-                return Status(False, failure_message(after))
+                return after
             h = after.motion.t - state.motion.t
             impulse -= 0.5 * h * (_pulls(state) + _pulls(after))
             state = after
             if state.motion.t >= t:
-                break
-        else:
-            what = f"the advance from {start:.6g} s to {t:.6g} s"
-            return Status(False, failure_message(Failure(Cause.STEPS, state.motion.t, what)))
-        mean = impulse / (t - start)
-        self._state = replace(state, force_mean=(float(mean[0]), float(mean[1])))
-        return Status(True)
+                left, right = (impulse / (t - start)).tolist()
+                return replace(state, force_mean=(left, right))
+        what = f"the advance from {start:.6g} s to {t:.6g} s"
+        return Failure(Cause.STEPS, state.motion.t, what)
 
     def _time_refused(self, t: float, given_at: float) -> str | None:
         """Return None if the rope can advance to ``t`` with motions of ``given_at`` (s); else the message."""
@@ -164,26 +157,28 @@ class ReferenceRope(BalanceRope):
         return None
 
     def signals(self, names: Iterable[str] | None = None) -> dict[str, float]:
-        wanted = NAMES if names is None else checked_names(names)
+        wanted = COMPUTED_NAMES if names is None else checked_names(names)
         values: dict[str, float] = {}
         for name in wanted:
-            group = function_of(name)
+            group = values_function(name)
             if group is None:
-                raise ValueError(f"the reference rope does not compute {name}: {CURE}")
+                raise ValueError(
+                    messages.engine_alone(f"the reference rope does not compute {name}")
+                )
             if name not in values:
                 values |= group(self._scene, self.state)
         return {name: values[name] for name in wanted}
 
     def apply(self, forces: PointForces) -> None:
         if forces.s.size:
-            raise ValueError(f"the reference rope takes no point forces: {CURE}")
+            raise ValueError(_no_point_forces())
 
     def rows(self) -> NDArray[np.float64]:
         m = self.state.motion
         return np.column_stack((self.state.mesh.nodes_s, m.q[:, :ANGLE], m.v[:, :ANGLE]))
 
     def displacement(self, forces: PointForces) -> NDArray[np.float64]:
-        raise ValueError(f"the reference rope takes no point forces: {CURE}")
+        raise ValueError(_no_point_forces())
 
     def warnings(self) -> dict[str, str]:
         return warnings_of(self._scene, self.state)
@@ -234,5 +229,9 @@ def _pulls(state: State) -> NDArray[np.float64]:
     return state.motion.reaction[[0, -1], HEIGHT]
 
 
+def _no_point_forces() -> str:
+    return messages.engine_alone("the reference rope takes no point forces")
+
+
 def _no_engine_state(kept: object) -> RopeState:
-    raise ValueError(f"a state of the reference rope is none of the engine: {CURE}")
+    raise ValueError(messages.engine_alone("a state of the reference rope is none of the engine"))

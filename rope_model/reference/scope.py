@@ -1,5 +1,6 @@
 """Scope of the reference rope: the published system, and nothing else of a scene."""
 
+from rope_model.messages import messages
 from rope_model.parameters import Scene
 from rope_model.physics.air import air_acts
 from rope_model.physics.initial_curvature import CURVATURES
@@ -47,7 +48,7 @@ def require_published(scene: Scene) -> None:
     """Raise ValueError if the scene holds more than the published system."""
     text = unpublished(scene)
     if text is not None:
-        raise ValueError(f"{text}: take the engine, balance_rope(scene)")
+        raise ValueError(messages.engine_alone(text))
 
 
 def unpublished(scene: Scene) -> str | None:

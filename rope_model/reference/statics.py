@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rope_model.arrays import Array
+from rope_model.messages import messages
 from rope_model.physics.element import PARAMETERS
 from rope_model.physics.elementary import SMALLEST_DIVISOR
 from rope_model.physics.inextensible import left_leg_length
@@ -64,7 +65,6 @@ def find_equilibrium(equations: Equations, guess: Array, t: float = 0.0) -> Equi
     section"): those of the guess from the guess's, those of the equilibrium from its own.
     """
     q = np.where(equations.held, equations.held_motion(t)[0], guess)
-    zeros = np.zeros_like(q)
     length = float(equations.lengths.sum())
     rounding = _rounding(equations)
     tau = FIRST_TIME
@@ -73,41 +73,71 @@ def find_equilibrium(equations: Equations, guess: Array, t: float = 0.0) -> Equi
     force = np.inf
     for k in range(1, MAX_CORRECTIONS + 1):
         equations = equations.with_reference(q)
-        R, tangent = equations.linearised(q, zeros, zeros, (1.0, 0.0, tau**-2), prestress=q)
-        R = np.where(equations.held, 0.0, R)
-        force = _largest(equations, R)
-        x = tangent.solve(-R)
-        move = float(np.abs(x).max())
-        if not np.isfinite(move):
-            move = np.inf
-        trial = q + min(1.0, MAX_MOVE / max(move, SMALLEST_DIVISOR)) * np.nan_to_num(x)
-        reaction = equations.residual(trial, zeros, zeros)
-        left = np.where(equations.held, 0.0, reaction)
-        force_left = _largest(equations, left)
-
-        gain = -float(np.sum(R * x))  # work of the forces along the correction
-        gain_left = -float(np.sum(left * x))
-        downhill = gain >= 0 or force <= rounding
-        milder = abs(gain_left) <= MAX_GAIN * abs(gain) or force_left <= force + rounding
-        if not (np.isfinite(move) and np.isfinite(force_left) and downhill and milder):
+        correction = _corrected(equations, q, tau)
+        force = correction.force
+        if not correction.is_taken(rounding):
             tau *= SHRINK
             if tau < SHORTEST_TIME:
                 break
             continue
 
-        gained = equations.turning(trial, zeros, zeros)[0]
-        trial[:, ANGLE] += gained
+        q = correction.q
+        gained = equations.turning(q, np.zeros_like(q), np.zeros_like(q))[0]
+        q[:, ANGLE] += gained
         turn += float(gained[-1])
-        q = trial
-        balanced += force_left <= rounding
-        settled = tau > NEWTON_TIME and equations.size(x) < TOLERANCE * length
+        balanced += correction.force_left <= rounding
+        settled = tau > NEWTON_TIME and equations.size(correction.x) < TOLERANCE * length
         if settled or balanced > BALANCED:
-            return Equilibrium(q, reaction, k, turn)
-        tau *= min(max(force / max(force_left, SMALLEST_DIVISOR), GROW[0]), GROW[1])
+            return Equilibrium(q, correction.reaction, k, turn)
+        growth = force / max(correction.force_left, SMALLEST_DIVISOR)
+        tau *= min(max(growth, GROW[0]), GROW[1])
         tau = min(tau, LONGEST_TIME)
-    raise StaticsError(
-        f"no equilibrium in {k} corrections: forces of {force:.3g} N are left; "
-        "check the rope's length and stiffness"
+    raise StaticsError(messages.no_equilibrium(k, force))
+
+
+@dataclass(frozen=True)
+class _Correction:
+    """An implicit step of the inertia, and the forces before and after it."""
+
+    x: Array  # (nodes, 7), correction, of which q has moved by a part
+    q: Array  # (nodes, 7), after it
+    reaction: Array  # R there
+    force: float  # N, largest unbalanced one before it
+    force_left: float  # N, after it
+    gain: float  # J, work along x of the forces before it
+    gain_left: float  # J, after it
+
+    def is_taken(self, rounding: float) -> bool:
+        """Whether it is finite, leads downhill, and the forces do not grow much along it."""
+        finite = bool(np.isfinite(self.x).all()) and bool(np.isfinite(self.force_left))
+        downhill = self.gain >= 0 or self.force <= rounding
+        milder = (
+            abs(self.gain_left) <= MAX_GAIN * abs(self.gain)
+            or self.force_left <= self.force + rounding
+        )
+        return finite and downhill and milder
+
+
+def _corrected(equations: Equations, q: Array, tau: float) -> _Correction:
+    """Return the correction of ``q`` by a step of ``tau`` (s)."""
+    zeros = np.zeros_like(q)
+    R, tangent = equations.linearised(q, zeros, zeros, (1.0, 0.0, tau**-2), prestress=q)
+    R = np.where(equations.held, 0.0, R)
+    x = tangent.solve(-R)
+    move = float(np.abs(x).max())
+    if not np.isfinite(move):
+        move = np.inf
+    trial = q + min(1.0, MAX_MOVE / max(move, SMALLEST_DIVISOR)) * np.nan_to_num(x)
+    reaction = equations.residual(trial, zeros, zeros)
+    left = np.where(equations.held, 0.0, reaction)
+    return _Correction(
+        x=x,
+        q=trial,
+        reaction=reaction,
+        force=_largest(equations, R),
+        force_left=_largest(equations, left),
+        gain=-float(np.sum(R * x)),
+        gain_left=-float(np.sum(left * x)),
     )
 
 
@@ -130,15 +160,13 @@ def hanging_guess(s: Array, left: Array, right: Array) -> Array:
     length = float(s[-1])
     across = np.array([right[0] - left[0], 0.0, right[2] - left[2]])
     width = float(np.linalg.norm(across))
+    height = abs(float(left[HEIGHT] - right[HEIGHT]))
     if width == 0:
-        raise StaticsError("the ends are above each other: move one aside, by 0.1 m or more")
+        raise StaticsError(messages.ends_above_each_other(height))
     middle = left_leg_length(length, left[HEIGHT], right[HEIGHT])
     cell = float(np.interp(middle, 0.5 * (s[:-1] + s[1:]), np.diff(s)))
     legs = initial_shape(length, middle, width, cell)
     if min(legs.left_leg, legs.right_leg) <= legs.lean:
-        raise StaticsError(
-            f"a rope of {length:g} m cannot hang between ends {width:.4g} m apart and "
-            f"{abs(left[HEIGHT] - right[HEIGHT]):.4g} m different in height: move them closer together"
-        )
+        raise StaticsError(messages.rope_too_short(length, width, height))
     row = node_row(legs, left, across / width, s)
     return np.column_stack([np.broadcast_to(values, s.shape) for values in row])

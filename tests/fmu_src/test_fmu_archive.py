@@ -26,13 +26,13 @@ from native_parts import WARNINGS
 
 from fmu_src.interface import variables
 from fmu_src.native.export import HEADERS_IN_FMU
-from fmu_src.profile import ALL, ALWAYS, DEFAULT, group_of
+from fmu_src.profile import ALL, ALWAYS, DEFAULT, output_group
 from fmu_src.shell.build import PLATFORMS, available_platforms, host_platform
 from fmu_src.shell.sources import HEADERS
 from hoist_demo.cases.table import find_case
 from hoist_demo.drive_fmu.description import drive_model
 from rope_model.cases import rope_120
-from rope_model.reference.outputs import NAMES
+from rope_model.reference.outputs import COMPUTED_NAMES
 
 #: what may lie in an archive, FMI 2.0.4 section 2.3 and FMI 3.0 section 2.5
 LAYOUT = re.compile(
@@ -233,13 +233,13 @@ def test_variables_are_listed_by_use(fmu: Archive) -> None:
 def test_outputs_are_those_of_the_profile(fmu: Archive) -> None:
     if fmu.kind.startswith("drive"):
         pytest.skip("the drive has one profile")
-    groups = {group_of(v["name"]) for v in fmu.variables if v["causality"] == "output"}
+    groups = {output_group(v["name"]) for v in fmu.variables if v["causality"] == "output"}
     lean = {*DEFAULT}
     least = {*ALWAYS}
     shown = {"python-lean": lean, "native-2-lean": lean, "native-3-least": least}
     computed = {*ALL}
     if not fmu.native:
-        computed = {*map(group_of, NAMES), "status"}
+        computed = {*map(output_group, COMPUTED_NAMES), "status"}
     assert groups == shown.get(fmu.kind, {*ALL}) & computed
     arrays = [v.get("name") for v in fmu.root.iter() if v.find("Dimension") is not None]
     # parameters are scalars: importers without arrays read them all, and print an error for each array

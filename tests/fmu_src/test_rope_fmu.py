@@ -28,7 +28,7 @@ from fmu_src.shell.build import PLATFORMS, available_platforms, host_platform
 from hoist_demo.command_line.main import main
 from rope_model import BalanceRope, Scene, Swivel, balance_rope, rope_120
 from rope_model.method.stepping import MIN_INTERVAL
-from rope_model.reference.outputs import NAMES
+from rope_model.reference.outputs import COMPUTED_NAMES
 from rope_model.signals.signal_table import LOADS, SHAPE_POINTS, SIGNALS
 
 H = 0.02
@@ -119,7 +119,7 @@ def in_process(native: bool) -> tuple[np.ndarray, BalanceRope]:
     rope = new_rope(scene, native)
     expected = []
     hung(rope, *smooth_trip(0.0, 20.0, 5.0, 90.0))
-    names = [name for name in COMPARED if native or name in NAMES]
+    names = [name for name in COMPARED if native or name in COMPUTED_NAMES]
     for k in range(LAST):
         # the time is rounded as that of the FMU
         rope.advance_to(k * H + H, *smooth_trip((k + 1) * H, 20.0, 5.0, 90.0))
@@ -139,7 +139,7 @@ def test_fmu_equals_the_rope_in_process_to_the_bit(host: Host) -> None:
     assert_array_equal(record, expected)
     for name in ("x", "y", "z", "s", "tension", "bending", "torsion"):
         points = [f"shape.{name}[{i + 1}]" for i in range(SHAPE_POINTS)]
-        if points[0] not in SIGNALS or not (is_native(host) or points[0] in NAMES):
+        if points[0] not in SIGNALS or not (is_native(host) or points[0] in COMPUTED_NAMES):
             continue
         if host.fmi == 3:
             (ours,) = host.get(f"shape.{name}")
@@ -217,7 +217,7 @@ def test_the_python_flavour_describes_what_the_reference_rope_computes_and_no_de
     assert not description.coSimulation.providesDirectionalDerivative
     assert "inputs.given = all" in description.description
     outputs = {v.name for v in description.modelVariables if v.causality == "output"}
-    assert {name for name in outputs if not name.startswith("status.")} == {*NAMES}
+    assert {name for name in outputs if not name.startswith("status.")} == {*COMPUTED_NAMES}
     # the native flavour has all of them, with the same value references
     both = fmpy.read_model_description(str(unpacked("native-2")[1])).modelVariables
     references = {v.name: v.valueReference for v in both}

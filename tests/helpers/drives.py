@@ -9,7 +9,8 @@ import numpy as np
 
 from hoist_demo.control.controller import ControllerState, Gains, Measurement, SpeedController
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.drive.equations import INPUT_NAMES, equations
+from hoist_demo.drive.coordinates import INPUT_NAMES
+from hoist_demo.drive.equations import equations
 from hoist_demo.drive.outputs import OUTPUTS, tension_ratio
 from hoist_demo.drive.plant import HoistPlant, PlantState, PlantStep
 from hoist_demo.parameters import GRAVITY, Hoist, Winding

@@ -1,4 +1,4 @@
-"""Choice of the fidelity in plain Python, an oracle for `csrc/ends/fidelity.c`, which takes the same formulas."""
+"""Choice of the fidelity in plain Python, an oracle for ``csrc/ends/fidelity.c``."""
 
 from typing import NamedTuple
 

@@ -29,8 +29,8 @@ from hoist_demo.cosimulation.schemes.explicit import GaussSeidel, ImpulsePreserv
 from hoist_demo.cosimulation.schemes.interface import (
     ROPE_FORCES,
     CoupledSystem,
+    DriveLoad,
     InterfaceMotion,
-    Load,
     ParticipantFailed,
     Reader,
     Sample,
@@ -127,7 +127,7 @@ class Drive:
         self.data = data
         self.state = state
 
-    def step(self, t: float, h: float, load: Load) -> Status:
+    def step(self, t: float, h: float, load: DriveLoad) -> Status:
         d = self.data
         mass = self.data.m + float(load.added_mass[0])
         c = np.array([load.start[0] + d.f, load.linear[0], load.quadratic[0]])
@@ -143,7 +143,7 @@ class Drive:
     def position(self) -> np.ndarray:
         return both(self.state[0])
 
-    def motion(self, load: Load, s: float) -> InterfaceMotion:
+    def motion(self, load: DriveLoad, s: float) -> InterfaceMotion:
         d = self.data
         y, v = self.state
         force = load.start[0] + s * (load.linear[0] + s * load.quadratic[0])

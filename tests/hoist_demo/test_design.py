@@ -19,7 +19,7 @@ from hoist_demo.design.shaping import Shaper, impulses, shape
 from hoist_demo.design.swing import fit_swing
 from hoist_demo.design.tuning import Plan, Score, search
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play
+from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Play, SheaveLining
 from hoist_demo.run.data import build
 from hoist_demo.run.metrics import measure
 
@@ -87,7 +87,7 @@ EVERYTHING = Hoist(
     head_rope_modes=1,
     drive_shaft=DriveShaft(),
     brake=Brake(),
-    lining=Lining(),
+    lining=SheaveLining(),
     guides=Guides(),
     play=Play(),
     jam_left=Jam(),

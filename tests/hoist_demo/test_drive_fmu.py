@@ -32,7 +32,6 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.controller import ControllerState, Measurement, SpeedController
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.drive.equations import SIDES
 from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.drive_fmu import interface
 from hoist_demo.drive_fmu.description import LONGEST_HOLD, DriveModel, drive_model
@@ -45,7 +44,7 @@ from hoist_demo.drive_fmu.kernels import (
     structures,
 )
 from hoist_demo.drive_fmu.omissions import OMISSIONS, leave_out, obstacles
-from hoist_demo.parameters import Hoist, start_heights
+from hoist_demo.parameters import SIDES, Hoist, start_heights
 from hoist_demo.parameters.components import DriveShaft, Guides, Play
 from hoist_demo.parameters.suspension import MOVED, SuspensionOffset, moment_at, motion_at
 from release.libraries import drive_library
@@ -95,7 +94,7 @@ def test_trip_under_swaying_forces_is_that_of_the_drive_in_process(drive: Host) 
     drive.start()
     found = []
     for k, (left, right) in enumerate(forces):
-        drive.set(**dict(zip(interface.INPUTS, (left, right), strict=True)))
+        drive.set(**dict(zip(interface.FORCE_INPUTS, (left, right), strict=True)))
         assert drive.step(k * H) == ""
         found.append(drive.get(*MOTIONS))
     scale = np.abs(expected).max(axis=0)
@@ -136,7 +135,7 @@ def test_controller_samples_at_its_own_period_within_and_across_steps(drive: Hos
 def test_changing_forces_held_over_a_long_step_are_warned_of_and_constant_ones_not(
     drive: Host,
 ) -> None:
-    weights = dict(zip(interface.INPUTS, interface.rest_forces(SETUP), strict=True))
+    weights = dict(zip(interface.FORCE_INPUTS, interface.rest_forces(SETUP), strict=True))
     for step, factor, told in ((0.02, 1.01, False), (0.05, 1.0, False), (0.05, 1.01, True)):
         drive.start()
         drive.set(**{name: factor * value for name, value in weights.items()})
@@ -154,10 +153,10 @@ def test_internal_steps_converge_with_order_five(drive: Host) -> None:
     for steps in (2, 4, 64):
         drive.start(solver__step_max=H / steps)
         # a blow that sets the conveyances swinging by decimetres, so that errors stand clear of rounding
-        drive.set(**{interface.INPUTS[1]: -2e5})
+        drive.set(**{interface.FORCE_INPUTS[1]: -2e5})
         for k in range(60):
             assert drive.step(k * H) == ""
-        drive.set(**{interface.INPUTS[1]: interface.rest_forces(SETUP)[1]})
+        drive.set(**{interface.FORCE_INPUTS[1]: interface.rest_forces(SETUP)[1]})
         ends += drive.get("left.vy")
         drive.call("Reset")
     errors = np.abs(np.array(ends[:-1]) - ends[-1])
@@ -172,12 +171,12 @@ def test_forces_that_no_rope_could_follow_are_refused_and_leave_the_drive_where_
     assert drive.step(0.0) == ""
     state = drive.state()
     before = drive.get(*MOTIONS)
-    for force, words in ((-1e9, "m/s2, not within +-100 m/s2"), (1e300, interface.INPUTS[0])):
-        drive.set(**{interface.INPUTS[0]: force})
+    for force, words in ((-1e9, "m/s2, not within +-100 m/s2"), (1e300, interface.FORCE_INPUTS[0])):
+        drive.set(**{interface.FORCE_INPUTS[0]: force})
         assert words in drive.step(H)
         assert drive.get(*MOTIONS) == before
         assert drive.restore(state) == OK
-    drive.set(**dict(zip(interface.INPUTS, interface.rest_forces(SETUP), strict=True)))
+    drive.set(**dict(zip(interface.FORCE_INPUTS, interface.rest_forces(SETUP), strict=True)))
     assert drive.step(H) == ""
 
 
@@ -185,9 +184,9 @@ def test_drive_that_is_given_no_pull_at_the_start_rests_under_the_weight_of_the_
     drive: Host,
 ) -> None:
     """A container initialises connected inputs with 0; then the pull comes, and nothing may move."""
-    weights = dict(zip(interface.INPUTS, interface.rest_forces(SETUP), strict=True))
+    weights = dict(zip(interface.FORCE_INPUTS, interface.rest_forces(SETUP), strict=True))
     for parameters, rests in (({}, True), ({"left__fy_start": 0.0, "right__fy_start": 0.0}, False)):
-        drive.set(**dict.fromkeys(interface.INPUTS, 0.0))
+        drive.set(**dict.fromkeys(interface.FORCE_INPUTS, 0.0))
         drive.start(**parameters)
         drive.set(**weights)
         assert drive.step(0.0) == ""
@@ -198,7 +197,7 @@ def test_drive_that_is_given_no_pull_at_the_start_rests_under_the_weight_of_the_
 
 def test_overwind_is_refused_and_leaves_the_drive_where_it_was(drive: Host) -> None:
     drive.start(solver__step_max=0.001)
-    drive.set(**{interface.INPUTS[1]: -1e6})
+    drive.set(**{interface.FORCE_INPUTS[1]: -1e6})
     t = 0.0
     while not (said := drive.step(t)):
         before = drive.get("left.y")
@@ -251,7 +250,7 @@ def test_drive_of_several_ropes_moves_as_one_rope_with_their_sum_would_move_it(
     rng = np.random.default_rng(1)
     pulls = np.array([interface.rest_forces(case, rope) for rope in ropes])
     for k in range(100):
-        total = dict.fromkeys((*interface.INPUTS, *SIDE_FORCES), 0.0)
+        total = dict.fromkeys((*interface.FORCE_INPUTS, *SIDE_FORCES), 0.0)
         for rope, pull in zip(ropes, pulls, strict=True):
             for side, at_rest in zip(SIDES, pull, strict=True):
                 fx = 300.0 * rng.normal()

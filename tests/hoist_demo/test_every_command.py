@@ -16,7 +16,7 @@ from rope_groups import rope_in_process
 from shared import Capture, Patch
 
 from hoist_demo.cases.case import BUILTIN_HOISTS, HOISTS
-from hoist_demo.cases.run_values import Values
+from hoist_demo.cases.run_values import ParameterValues
 from hoist_demo.cases.table import NATIVE_ENDING, find_case, fmu_name
 from hoist_demo.command_line import wind
 from hoist_demo.command_line.main import main
@@ -96,7 +96,7 @@ def test_what_is_set_is_given_or_what_its_file_says(tmp_path: Path) -> None:
         "rope": {"Qd": 900.0},
         "hoist": {"payload_left": {"value": 1e3, "status": "measured"}},
     }
-    found = file_statuses(TypeAdapter(Values).validate_python(table))
+    found = file_statuses(TypeAdapter(ParameterValues).validate_python(table))
     wanted = {"rope.EI": "calibrated", "rope.Qd": "given", "hoist.payload_left": "measured"}
     assert found == wanted
     assert wanted.items() <= statuses(known("rope-120", found)).items()
@@ -393,7 +393,7 @@ def test_a_hoist_is_not_wound_with_the_fmu_of_another(
     # what the hoist states is set in the FMU, and the level is the export's
     stated = {"rope.length": replace(exported["rope.length"], start=77.0)}
     monkeypatch.setattr(probe, "read_parameters", lambda _: exported | stated)
-    probe.Probe(Path("own.fmu")).require_hoist(run)
+    probe.FmuProbe(Path("own.fmu")).require_hoist(run)
     # values that this hoist leaves at their defaults
     beside = {
         "divider_1.size": replace(exported["divider_1.size"], start=0.2),
@@ -403,7 +403,7 @@ def test_a_hoist_is_not_wound_with_the_fmu_of_another(
     with pytest.raises(
         ValueError, match=rf"'other.fmu' must be of this hoist, '{name}', but 2 of its values"
     ) as error:
-        probe.Probe(Path("other.fmu")).require_hoist(run)
+        probe.FmuProbe(Path("other.fmu")).require_hoist(run)
     assert "divider_1.size is 0.2 there, 0.0 here" in str(error.value)
     assert f"balance-rope export {name}" in str(error.value)
 

@@ -13,10 +13,10 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.design.statics import static_slip_safeties
-from hoist_demo.drive.equations import LOSS_NAMES
+from hoist_demo.drive.coordinates import LOSS_NAMES
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.parameters import GRAVITY, Coupling, Hoist, Winding
-from hoist_demo.parameters.components import Brake, DriveShaft, Jam, Lining, Play
+from hoist_demo.parameters.components import Brake, DriveShaft, Jam, Play, SheaveLining
 from hoist_demo.recording.incidents import JamEvent, incidents, jams, slip
 from hoist_demo.recording.time_series import Recording
 
@@ -127,7 +127,7 @@ def test_a_conveyance_that_is_carried_through_is_not_called_jammed() -> None:
     assert "went through" in incidents(recording)
 
 
-PLAIN = Hoist(lining=Lining(), brake=Brake(torque=8e5))
+PLAIN = Hoist(lining=SheaveLining(), brake=Brake(torque=8e5))
 HOISTS = {
     "plain": PLAIN,
     "everything": replace(PLAIN, head_rope_modes=2, drive_shaft=DriveShaft(), play=Play()),
@@ -179,7 +179,7 @@ def test_ropes_that_slide_have_the_tensions_of_euler_and_eytelwein_and_energy_is
 
 def test_over_a_sheave_that_is_held_two_weights_fall_as_on_a_capstan() -> None:
     hoist = Hoist(
-        lining=Lining(),
+        lining=SheaveLining(),
         payload_left=15e3,
         sheave_mass=1e12,
         torque_limit=1e9,

@@ -28,7 +28,7 @@ from hoist_demo.cosimulation.participants.identity import (
 from hoist_demo.cosimulation.participants.plain_data import decode, encode
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.parameters.components import Lining
+from hoist_demo.parameters.components import SheaveLining
 
 TRIP = Winding(travel=0.5, settle=0.0, start_delay=0.0)
 #: its pulls swing by a quarter of the weight
@@ -82,7 +82,7 @@ Made = Callable[[Hoist, float], Controller]
 def wind(
     controller: Made, stop_at: float = math.inf, coupling: Coupling | None = None, **options: Any
 ) -> Result:
-    """A short trip with the draft rope, until `stop_at` [s]."""
+    """A short trip with the draft rope, until ``stop_at`` [s]."""
     host = Host(
         rope_in_process("rope-120", level="draft"), Hoist(), TRIP, coupling, controller=controller
     )
@@ -231,7 +231,7 @@ def test_each_value_that_differs_from_the_saved_run_is_named_with_both_values() 
     # the step may change where all samples stay
     assert differences(saved, identity(Hoist(), step=0.005)) == ""
     # a part that only one of both has, and a value of another
-    changed = Hoist(lining=Lining(sliding=0.7), payload_left=3e3)
+    changed = Hoist(lining=SheaveLining(sliding=0.7), payload_left=3e3)
     assert differences(saved, identity(changed)) == (
         "hoist.payload_left is 5000.0 there, 3000.0 here, "
         "hoist.lining.sliding is not set there, 0.7 here"

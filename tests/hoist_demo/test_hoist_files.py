@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose
 
 from hoist_demo.cases.case import BUILTIN_HOISTS, FOLDER, Case
 from hoist_demo.cases.hoist_file import HoistFile, schema
-from hoist_demo.cases.rules import LENGTH, RULES, TAIL_SPARE, RuleInputs, with_values
+from hoist_demo.cases.rules import LENGTH, RULES, TAIL_SPARE, RuleInputs, case_with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.main import main
 from hoist_demo.design.hoist_checks import HoistCheck, checks
@@ -600,7 +600,7 @@ def test_a_trip_that_slips_or_asks_too_much_of_the_motor_is_told() -> None:
         (heavy, [True, False, True]),
         (heavy | {"hoist.brake.torque": 5e5}, [True, True, False]),
     ):
-        found = " ".join(problems(with_values(case, values)))
+        found = " ".join(problems(case_with_values(case, values)))
         assert [x in found for x in words] == expected
 
 

@@ -12,9 +12,9 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
-from hoist_demo.cosimulation.schemes.interface import Load, Stopwatch
+from hoist_demo.cosimulation.schemes.interface import DriveLoad, Stopwatch
 from hoist_demo.design.statics import pulls
-from hoist_demo.drive.equations import LOSS_NAMES
+from hoist_demo.drive.coordinates import LOSS_NAMES
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.drive_fmu.description import drive_model
 from hoist_demo.parameters import (
@@ -27,7 +27,7 @@ from hoist_demo.parameters import (
     require_jams_on_the_way,
     require_trip_fits,
 )
-from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play
+from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Play, SheaveLining
 from hoist_demo.parameters.suspension import SuspensionOffset
 from hoist_demo.parameters.trip_design import Shaper, TrajectoryOptions
 from rope_model import EndMotion, parameter_table
@@ -253,7 +253,9 @@ def test_the_motor_keeps_its_limits_of_torque_and_power() -> None:
 
 def ends(plant: Plant, state: PlantState, u: PlantInput) -> tuple[EndMotion, EndMotion]:
     drive = HoistPartner(plant, state, np.array(u), Stopwatch())
-    return drive.ends(drive.motion(Load.constant(np.array([u.force_left, u.force_right])), 0.0))
+    return drive.ends(
+        drive.motion(DriveLoad.constant(np.array([u.force_left, u.force_right])), 0.0)
+    )
 
 
 def test_the_ends_of_the_balance_rope_follow_the_conveyances() -> None:
@@ -284,8 +286,10 @@ BAD = {
     r"jam_right\.height": lambda: require_jams_on_the_way(
         Hoist(jam_right=Jam(height=53.0)), Winding(travel=10.0)
     ),
-    "lining.sliding": lambda: Lining(sliding=1.2),
-    "lining": lambda: drive_model(replace(find_case("rope-120"), hoist=Hoist(lining=Lining()))),
+    "lining.sliding": lambda: SheaveLining(sliding=1.2),
+    "lining": lambda: drive_model(
+        replace(find_case("rope-120"), hoist=Hoist(lining=SheaveLining()))
+    ),
     "jam_right": lambda: drive_model(find_case("jammed-conveyance")),
     "emergency_law": lambda: require_trip_fits(
         Hoist(), Winding(emergency_at=5.0, emergency_law="torque")

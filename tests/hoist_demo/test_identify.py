@@ -1,4 +1,4 @@
-"""What `balance-rope identify` finds of a rope from measurements, and how well it is known."""
+"""What ``balance-rope identify`` finds of a rope from measurements, and how well it is known."""
 
 import os
 import subprocess
@@ -29,9 +29,9 @@ from hoist_demo.calibration.fit import (
     sensitivities,
 )
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
-from hoist_demo.calibration.measurements import CalibrationProblem
-from hoist_demo.cases.rules import with_values
-from hoist_demo.cases.run_values import Values
+from hoist_demo.calibration.problem import CalibrationProblem
+from hoist_demo.cases.rules import case_with_values
+from hoist_demo.cases.run_values import ParameterValues
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.export import _set_values
 from hoist_demo.command_line.main import main
@@ -201,12 +201,12 @@ def test_what_is_found_is_a_file_for_every_command(
     found = read(made, RopeFile).values()
     values = values_of(found)
     assert values.keys() == {f"rope.{name}" for name in FOLLOWING}
-    given = TypeAdapter(Values).validate_python({"from": str(made), "rope": {"EI": 99.0}})
+    given = TypeAdapter(ParameterValues).validate_python({"from": str(made), "rope": {"EI": 99.0}})
     assert values_of(given) == values | {"rope.EI": 99.0}
     wanted = {"rope.EI": "calibrated", "rope.mass_per_length": "published", "rope.length": "given"}
     assert wanted.items() <= statuses(found).items()
     options = Namespace(rope=made, set=[], hoist="rope-120", ssp=False)
-    exported = with_values(find_case("rope-120"), _set_values(find_case("rope-120"), options))
+    exported = case_with_values(find_case("rope-120"), _set_values(find_case("rope-120"), options))
     assert values.items() <= exported.rope.items()
     assert exported.hoist.tail_rope_mass == values["rope.mass_per_length"]
     again = read(made, RopeFile).catalogue_rope

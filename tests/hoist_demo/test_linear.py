@@ -17,11 +17,17 @@ from hoist_demo.cases.hoist_file import HoistFile
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.main import main
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
-from hoist_demo.design import arrival_swing, linear_model, reduction, sparse_modes
+from hoist_demo.design import (
+    arrival_swing,
+    linear_model,
+    reduced_model,
+    reduction,
+    sparse_modes,
+)
 from hoist_demo.design import linearise as linearise_module
 from hoist_demo.design.arrival_swing import (
-    INPUTS,
-    OUTPUTS,
+    SWING_INPUTS,
+    SWING_OUTPUTS,
     SpeedLoop,
     pole_of_sparse,
     swing_at_arrival,
@@ -211,7 +217,7 @@ def test_the_number_of_states_follows_from_the_measured_error(
     few, more = (reduced([model], states) for states in (9, 15))
     bound = float(np.sqrt(few.decibels.max() * more.decibels.max()))
     assert more.decibels.max() < bound < few.decibels.max()
-    monkeypatch.setattr(reduction, "MAX_DECIBELS", bound)
+    monkeypatch.setattr(reduced_model, "MAX_DECIBELS", bound)
     found = reduced([model])
     assert 9 < found.A.shape[1] <= 15
     assert found.decibels.max() <= bound
@@ -230,7 +236,7 @@ def test_an_error_of_the_computation_is_not_taken_for_too_few_motions(
         m.selected(TORQUE, SEEN[:3]) for m in linearise(find_case("rope-120"), [0.3], level="draft")
     )
     few = reduced([model], 9)
-    monkeypatch.setattr(reduction, "MAX_DECIBELS", 0.9 * float(few.decibels.max()))
+    monkeypatch.setattr(reduced_model, "MAX_DECIBELS", 0.9 * float(few.decibels.max()))
     projected = reduction._projected
 
     def singular_beyond_9_states(of: Any, basis: Any) -> Any:
@@ -253,7 +259,7 @@ def test_an_arrival_swings_as_the_complete_model(hoist: str, at: float) -> None:
     case = replace(case, winding=replace(case.winding, travel=at * case.hoist.shaft_travel))
     swing = swing_at_arrival(case, 0.0)
     (model,) = linearise(case, [at])
-    exact = pole_of_sparse(model.selected(INPUTS, OUTPUTS), SpeedLoop.of(case))
+    exact = pole_of_sparse(model.selected(SWING_INPUTS, SWING_OUTPUTS), SpeedLoop.of(case))
     assert exact is not None
     # a small model errs by 6 % in gain at most, and by less in a pole
     assert swing.frequency == pytest.approx(exact.imag / (2 * np.pi), rel=0.01)
@@ -275,7 +281,7 @@ def test_where_no_small_model_serves_the_complete_one_does_or_the_error_is_told(
     case = find_case("rope-120")
     swing = swing_at_arrival(case, 0.0)
     monkeypatch.setattr(reduction, "MAX_STATES", 9)
-    monkeypatch.setattr(reduction, "MAX_DECIBELS", 1e-6)
+    monkeypatch.setattr(reduced_model, "MAX_DECIBELS", 1e-6)
     assert swing_at_arrival(case, 0.0).frequency == pytest.approx(swing.frequency, rel=1e-3)
     monkeypatch.setattr(arrival_swing, "pole_of_sparse", lambda *_: None)
     with pytest.raises(

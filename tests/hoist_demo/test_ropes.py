@@ -1,4 +1,4 @@
-"""Several ropes in one hoist: sums, neighbours, a rope that breaks; and the results of `balance-rope wind`."""
+"""Several ropes in one hoist: sums, neighbours, a break; results of ``balance-rope wind``."""
 
 import math
 from contextlib import nullcontext

@@ -25,7 +25,7 @@ from systems import COUPLING, STOP, system
 from tools import IMPORTS, INPUTS, environment, require
 
 from fmu_src.shell.build import host_platform
-from fmu_src.ssp import Component, Datum, System, export_ssp
+from fmu_src.ssp import Component, System, SystemNumber, export_ssp
 from hoist_demo.cases.case import HOISTS
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.main import main
@@ -220,8 +220,8 @@ def test_system_of_ssp_2_has_the_types_of_fmi_3_and_names_the_statuses_of_its_da
         Component("rope", fmu_of("native-3"), COUPLING),
     ]
     data = [
-        Datum("rope.Qb", 2.3e5, "N.m", "published"),
-        Datum("hoist.sheave_radius", 1.25, "m", "assumed"),
+        SystemNumber("rope.Qb", 2.3e5, "N.m", "published"),
+        SystemNumber("hoist.sheave_radius", 1.25, "m", "assumed"),
     ]
     whole = System("Hoist", STOP, ssp_driver.H, version="2.0", data=data)
     made = export_ssp(tmp_path / "hoist.ssp", components, whole)

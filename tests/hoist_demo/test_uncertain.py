@@ -1,4 +1,4 @@
-"""Windings over ranges of what is not known of a rope: `balance-rope uncertain`."""
+"""Windings over ranges of what is not known of a rope: ``balance-rope uncertain``."""
 
 from pathlib import Path
 

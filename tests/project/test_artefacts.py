@@ -65,7 +65,7 @@ PLACES = {
     "path with spaces and umlauts": Place(folder=STRANGE),
     "path with umlauts beside another version": Place(folder=STRANGE, beside=True),
 }
-#: places of `make test`; all are tried by `make test-slow`
+#: places of ``make test``; all are tried by ``make test-slow``
 QUICK = ("path with umlauts beside another version",)
 EVERYWHERE = [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in PLACES]
 #: kinds of exports.EXPORTS, which a place has unpacked; the system of two of them

@@ -1,7 +1,7 @@
 """Tests run at the defaults; a test that sets steps, mesh, accuracy, fidelity or inputs away from them says why.
 
 The reason is a comment at the place, above it or above the function, a docstring of that function, or an entry of
-`defaults.toml` for all places of a kind in a file.
+``defaults.toml`` for all places of a kind in a file.
 """
 
 from __future__ import annotations

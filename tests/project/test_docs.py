@@ -20,7 +20,7 @@ COMMANDS = [
     DOCS / "reference" / "python.md",
     *sorted((DOCS / "tutorial").glob("*.md")),
 ]
-#: what `make demo` puts into .venv/bin, and what a shell has built in
+#: what ``make demo`` puts into .venv/bin, and what a shell has built in
 INSTALLED = ("balance-rope", "python")
 BUILTIN = ("source", "cd")
 LINK = re.compile(r"\]\((?!https?:)([^)\s]*)\)")
@@ -84,8 +84,31 @@ def test_a_source_that_a_page_names_is_there(path: Path) -> None:
     assert lost == []
 
 
+#: names of a source, as in "`a`, `b` and `FN(c)` of `folder/file.c`"
+_NAMES_OF_A_SOURCE = re.compile(
+    r"((?:`[\w.()]+`(?:, | and |, and )?)+) (?:of|in) `([\w./]+\.(?:py|c|h|inc))`"
+)
+
+
+@pytest.mark.parametrize("path", PAGES, ids=[str(path.relative_to(ROOT)) for path in PAGES])
+def test_a_name_that_a_page_finds_in_a_source_is_there(path: Path) -> None:
+    text = " ".join(path.read_text(encoding="utf-8").split())
+    lost = []
+    for names, source in _NAMES_OF_A_SOURCE.findall(text):
+        found = [one for one in source_paths() if one == source or one.endswith("/" + source)]
+        code = "".join((ROOT / one).read_text(encoding="utf-8") for one in found)
+        for name in re.findall(r"`([\w.()]+)`", names):
+            if name.endswith(SUFFIXES):
+                continue  # a file that the sentence names before
+            word = name.rpartition(".")[2]
+            either = "|".join(map(re.escape, (word, re.sub(r"\(.*\)", "", word))))
+            if not re.search(rf"(?<!\w)(?:{either})(?!\w)", code):
+                lost.append((name, source))
+    assert lost == []
+
+
 #: generated files that comments of C name, beside those of the engine
-GENERATED = ("drive_table.h", "numbers.h", "start.c", "structures.h", "variables.c")
+GENERATED = ("access.h", "drive_table.h", "numbers.h", "start.c", "structures.h", "variables.c")
 #: headers of the standard, whose comments name files of its earlier versions
 OFFICIAL = "fmu_src/shell/headers/"
 

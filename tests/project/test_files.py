@@ -68,7 +68,7 @@ def writes(call: ast.Call) -> bool:
 
 
 def names_of_drafts(tree: ast.AST) -> set[str]:
-    """Return the names under which `whole_file` hands out drafts, and those of files that are opened there."""
+    """Return the names of drafts that ``whole_file`` hands out, and of files opened there."""
     drafts = {"whole_file"}
     for one in ast.walk(tree):
         if not isinstance(one, ast.With):

@@ -1,4 +1,4 @@
-"""Relations that must hold for any scene (`tests/helpers/invariants`): a few scenes here, an hour by `make hunt`."""
+"""Relations of any scene (``tests/helpers/invariants``): a few here, an hour by ``make hunt``."""
 
 from __future__ import annotations
 

@@ -5,6 +5,7 @@ import re
 import sys
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
+from fnmatch import fnmatch
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -220,6 +221,40 @@ def test_no_room_is_allowed_what_it_does_not_import() -> None:
         used[room(name)] |= {room(i) for i in imports(name, path) if i.split(".")[0] in PACKAGES}
     unused = {name: allowed - used[name] for name, allowed in MAY_IMPORT.items()}
     assert {name: rooms for name, rooms in unused.items() if rooms} == {}
+
+
+ARCHITECTURE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+
+
+def rows_below(heading: str) -> list[list[str]]:
+    """Return the cells of the table of the architecture page whose first heading this is."""
+    _, _, table = ARCHITECTURE.partition(f"\n| {heading} | holds |\n|---|---|\n")
+    table, _, _ = table.partition("\n\n")
+    return [line.strip("| ").split(" | ", 1) for line in table.splitlines()]
+
+
+def test_the_page_lists_each_room_of_the_hoist_once() -> None:
+    rows = rows_below("room")
+    first = [name for cell, _ in rows for name in re.findall(r"`([\w/]+)`", cell)]
+    within_rooms = re.findall(r"`(participants|schemes)`", " ".join(cell for _, cell in rows))
+    listed = [*first, *(f"cosimulation/{name}" for name in within_rooms)]
+    folders = [path.parent for path in (ROOT / "hoist_demo").rglob("__init__.py")]
+    rooms = [path.relative_to(ROOT / "hoist_demo").as_posix() for path in folders]
+    assert sorted(listed) == sorted(set(rooms) - {"."})
+
+
+def test_the_page_lists_each_folder_of_c_once() -> None:
+    listed = [name for cell, _ in rows_below("folder") for name in re.findall(r"`(\w+)`", cell)]
+    assert sorted(listed) == sorted(MAY_INCLUDE)
+
+
+def test_the_page_lists_each_room_of_the_rope_once() -> None:
+    lines = re.findall(r"^ {4}rope_model\.(\S.*?)(?:  +.*)?$", ARCHITECTURE, re.MULTILINE)
+    patterns = [name for line in lines for name in re.split(r" \| |, ", line) if name != "csrc"]
+    rooms = {name.partition(".")[2] for name in MAY_IMPORT if name.startswith("rope_model.")}
+    for name in sorted(rooms - {"version"}):
+        assert len([pattern for pattern in patterns if fnmatch(name, pattern)]) == 1, name
+    assert [p for p in patterns if not any(fnmatch(name, p) for name in rooms)] == []
 
 
 def reached_from(start: str) -> set[str]:

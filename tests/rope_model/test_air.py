@@ -175,7 +175,7 @@ def test_the_tangent_is_the_derivative_to_the_speed(fidelity: ElementFidelity) -
 
 
 def gust() -> BalanceRope:
-    """The rope of `scene` in still air, into which the host blows across its plane from .1 s on."""
+    """``scene``'s rope in still air, into which the host blows across its plane from .1 s on."""
     shafts = [Shaft(air=Air(density=1.2, vz=vz), sump=Sump(level=-20.0)) for vz in (0.0, 20.0)]
     still, blown = (replace(scene(), shaft=shaft) for shaft in shafts)
     rope = balance_rope(still)

@@ -28,7 +28,7 @@ LARGEST_ERRORS = {
 DEFAULT = Case(rope_120().scene)
 
 
-#: what stands for all cases in `make test`, with the numbers of inputs that a difference shows
+#: what stands for all cases in ``make test``, with the numbers of inputs that a difference shows
 QUICK = {
     "torsional, locked swivels": 11,
     "swivels that stick": 11,

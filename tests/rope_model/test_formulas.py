@@ -65,7 +65,7 @@ VALUES = {"number": 800.0}
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    """A library with every formula as a function of its own: `name`_ calls `name`."""
+    """A library with every formula as a function of its own: ``name``_ calls ``name``."""
     code = ['#include "formulas.h"', ""]
     for formula in CALLABLE:
         arguments = formula.arguments

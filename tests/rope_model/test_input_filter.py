@@ -149,7 +149,7 @@ def test_a_speed_alone_is_integrated() -> None:
 def test_forces_of_motions_that_do_not_fit_are_right(
     truth: np.ndarray, given: Given, at_end: bool
 ) -> None:
-    """Within .3 % root mean square and 2 % at an instant of the largest; the targets of `make signals`."""
+    """Within .3 % RMS and 2 % at an instant of the largest; the targets of ``make signals``."""
     rope = balance_rope(SCENE)
     off = (wind(rope, given, at_end) - truth) / np.abs(truth).max()
     assert np.sqrt((off**2).mean()) < 3e-3

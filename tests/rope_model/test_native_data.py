@@ -147,7 +147,7 @@ def with_values(scene: Scene, values: dict[str, float]) -> SceneStructure:
 
 def message_of(values: dict[str, Any]) -> str:
     try:
-        scene_names.with_values(
+        scene_names.scene_with_values(
             Scene(), {n: x for n, x in values.items() if n != "inputs_at_step_end"}
         )
     except ValueError as error:

@@ -39,7 +39,7 @@ _Ends = tuple[EndMotion, EndMotion]
 
 @dataclass(frozen=True)
 class Break:
-    """Place and time of a rope's break: the first communication point from `t` on."""
+    """Place and time of a rope's break: the first communication point from ``t`` on."""
 
     t: float  # s
     s: float  # m, along the rope from its left end
@@ -48,7 +48,7 @@ class Break:
 
 @dataclass(frozen=True)
 class Piece:
-    """Piece that hangs from one end after the break at `t`."""
+    """Piece that hangs from one end after the break at ``t``."""
 
     t: float  # s
     mass: float  # kg/m
@@ -61,9 +61,9 @@ class Piece:
     def of(
         t: float, mass: float, length: float, leg: float, ends: _Ends, gravity: float = GRAVITY
     ) -> Piece:
-        """Return the piece of a rope whose leg was `leg` long [m].
+        """Return the piece of a rope whose leg was ``leg`` long [m].
 
-        `ends` are the motions of the end that the piece hangs from, and of the other one.
+        ``ends`` are the motions of the end that the piece hangs from, and of the other one.
         """
         end, other = ends
         height = end.y - (2.0 * leg - length)
@@ -74,7 +74,7 @@ class Piece:
         return Piece(t, mass, length, break_height=height, break_speed=speed, gravity=gravity)
 
     def load(self, t: float, end: EndMotion) -> PieceLoad:
-        """Return the load of the piece on its conveyance, which has the motion `end` at t [s]."""
+        """Return the load of the piece on its conveyance, which has the motion ``end`` at t [s]."""
         fallen = t - self.t
         r = end.y - (self.break_height + fallen * (self.break_speed - 0.5 * self.gravity * fallen))
         if r >= self.length:
@@ -102,7 +102,7 @@ class BreakingRopeSnapshot(NamedTuple):
 
 
 class BreakingRope:
-    """A RopePlant that breaks; `mass` per length [kg/m] and `length` [m] are the rope's."""
+    """A RopePlant that breaks; ``mass`` per length [kg/m] and ``length`` [m] are the rope's."""
 
     def __init__(self, rope: WholeRope, mass: float, length: float, at: Break) -> None:
         if not 0.0 <= at.s <= length:
@@ -207,7 +207,7 @@ class BreakingRope:
         return to_bytes((_TAG, self._at, rope, snapshot.ends, snapshot.pieces, snapshot.outputs))
 
     def from_bytes(self, data: bytes) -> BreakingRopeSnapshot:
-        """Return the snapshot of `to_bytes`; ValueError for the state of another rope or break."""
+        """Return the snapshot of ``to_bytes``; ValueError for another rope or break."""
         tag, at, rope, ends, pieces, outputs = from_bytes(data)
         if (tag, at) != (_TAG, self._at):
             raise ValueError(

@@ -10,7 +10,7 @@ _NUMBERS: dict[str, Any] = {"double": c_double, "int": c_int, "size_t": c_size_t
 _ADDRESSES = ("Function",)
 
 
-class Member(NamedTuple):
+class CMember(NamedTuple):
     """Member of a structure: a number, another structure, or a pointer, which ends with a star."""
 
     name: str
@@ -22,11 +22,11 @@ class Member(NamedTuple):
 class SharedStructure(Structure):
     """Structure with the members that its class lists."""
 
-    members: ClassVar[Sequence[Member]] = ()
+    members: ClassVar[Sequence[CMember]] = ()
 
 
 def fields_of(
-    members: Sequence[Member], structures: Sequence[type[SharedStructure]] = ()
+    members: Sequence[CMember], structures: Sequence[type[SharedStructure]] = ()
 ) -> list[tuple[str, Any]]:
     """Return the fields for ctypes; ``structures`` are those of members."""
     by_name = _NUMBERS | {kind.__name__: kind for kind in structures}
@@ -46,7 +46,7 @@ def definition(kind: type[SharedStructure]) -> str:
     )
 
 
-def _declaration(member: Member) -> str:
+def _declaration(member: CMember) -> str:
     space = "" if member.type_in_c.endswith("*") else " "
     array = f"[{member.length}]" if member.length else ""
     comment = f" /* {member.comment} */" if member.comment else ""

@@ -24,7 +24,7 @@ import numpy as np
 from fmpy.fmi1 import FMICallException
 from numpy.typing import NDArray
 
-from hoist_demo.cosimulation.participants.fmu_description import FMI_VERSIONS, Variable
+from hoist_demo.cosimulation.participants.fmu_description import FMI_VERSIONS, DescribedVariable
 from hoist_demo.cosimulation.participants.library_calls import TEXT, Access, make_access
 from hoist_demo.parameters.quantity import Value
 
@@ -72,7 +72,7 @@ def _load(fmpy_class: Callable[..., Any], directory: Path, guid: str, identifier
 
 
 class Instance(ABC):
-    """Instance for co-simulation. After `close` each call but that one raises RuntimeError."""
+    """Instance for co-simulation. After ``close`` each call but that one raises RuntimeError."""
 
     _fmpy_class: Callable[..., Any]  #: FMPy's, of the version.
     _fmpy_module: Any
@@ -105,7 +105,7 @@ class Instance(ABC):
 
     @abstractmethod
     def _instantiate(self) -> None:
-        """Instantiate with all messages to `_log_message`, and set `_do_step`.
+        """Instantiate with all messages to ``_log_message``, and set ``_do_step``.
 
         A Python FMU sends messages only with logging on.
         """
@@ -126,7 +126,10 @@ class Instance(ABC):
         self._do_step()
 
     def buffer(
-        self, direction: Literal["Get", "Set"], variables: Sequence[Variable], rows: int = 1
+        self,
+        direction: Literal["Get", "Set"],
+        variables: Sequence[DescribedVariable],
+        rows: int = 1,
     ) -> Buffer:
         """Return a reusable buffer for all elements of variables of one type.
 
@@ -155,7 +158,7 @@ class Instance(ABC):
 
         return Buffer(names, call, values, access)
 
-    def _function_type(self, variable: Variable) -> str:
+    def _function_type(self, variable: DescribedVariable) -> str:
         """Return the type in the names of the functions that get and set a variable."""
         if variable.type == "Enumeration":
             return self._enumeration
@@ -168,7 +171,7 @@ class Instance(ABC):
         dtype: np.dtype[Any] = np.dtype(getattr(self._fmpy_module, self.name_in_c(type_)))
         return dtype
 
-    def text(self, variable: Variable) -> Callable[[], str]:
+    def text(self, variable: DescribedVariable) -> Callable[[], str]:
         """Return a function that reads a String variable."""
         values = (c_char_p * 1)()
         call = self._call("GetString", (c_uint32 * 1)(variable.reference), values, 1)
@@ -223,7 +226,7 @@ class Instance(ABC):
 
         return checked
 
-    def set(self, variable: Variable, values: Sequence[Value]) -> None:
+    def set(self, variable: DescribedVariable, values: Sequence[Value]) -> None:
         """Set all elements of a variable."""
         type_ = self._function_type(variable)
         getattr(self.fmpy, f"set{type_}")([variable.reference], values)
@@ -233,7 +236,7 @@ class Instance(ABC):
         return self._state_of(self.fmpy.getFMUState())
 
     def restore(self, state: FmuState) -> None:
-        """Restore a state that `save` or `from_bytes` returned."""
+        """Restore a state that ``save`` or ``from_bytes`` returned."""
         self.fmpy.setFMUState(state.handle)
 
     def to_bytes(self, state: FmuState) -> bytes:

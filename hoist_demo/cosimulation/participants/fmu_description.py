@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from zipfile import BadZipFile, ZipFile
 
 import fmpy
@@ -32,7 +32,7 @@ _NOT_TO_RUN = ("sources/", "documentation/", "terminalsAndIcons/")
 
 
 @dataclass(frozen=True, eq=False)
-class Variable:
+class DescribedVariable:
     """A variable as the model description states it; an array is one variable."""
 
     name: str
@@ -48,7 +48,7 @@ class Variable:
     items: Mapping[str, int]  # codes of an enumeration's items
 
 
-def _variable(declaration: ScalarVariable) -> Variable:
+def _variable(declaration: ScalarVariable) -> DescribedVariable:
     """Return a variable of FMPy's model description."""
     kind = _kind(declaration.type)
     declared = declaration.declaredType
@@ -63,7 +63,7 @@ def _variable(declaration: ScalarVariable) -> Variable:
     if items:
         low = min(items.values())
         high = max(items.values())
-    return Variable(
+    return DescribedVariable(
         name=declaration.name,
         reference=int(declaration.valueReference),
         causality=declaration.causality,
@@ -114,13 +114,19 @@ def _value(kind: str, text: str) -> Value:
     return text
 
 
-@lru_cache(maxsize=8)
-def unpacked(path: Path, changed: int, size: int) -> Path:
-    """Return a folder with the files of an FMU, for this process and until it ends.
+class FileVersion(NamedTuple):
+    """A file in one version, as a key of what is kept of it."""
 
-    `changed` [ns] is when the FMU was changed last, `size` its number of bytes.
-    """
-    directory = Path(fmpy.extract(str(path), include=lambda file: not file.startswith(_NOT_TO_RUN)))
+    path: Path
+    changed: int  # ns, when it was changed last
+    size: int  # bytes
+
+
+@lru_cache(maxsize=8)
+def unpacked(fmu: FileVersion) -> Path:
+    """Return a folder with the files of an FMU, for this process and until it ends."""
+    path = str(fmu.path)
+    directory = Path(fmpy.extract(path, include=lambda file: not file.startswith(_NOT_TO_RUN)))
     atexit.register(shutil.rmtree, directory, ignore_errors=True)
     return directory
 
@@ -140,12 +146,12 @@ class Fmu:
     """Contents of an FMU's description."""
 
     description: Any  # FMPy's
-    variables: tuple[Variable, ...]
+    variables: tuple[DescribedVariable, ...]
 
     @cached_property
-    def by_name(self) -> dict[str, Variable]:
+    def by_name(self) -> dict[str, DescribedVariable]:
         """Variable of each name; the names of an array's elements have the array."""
-        by_name: dict[str, Variable] = {}
+        by_name: dict[str, DescribedVariable] = {}
         for variable in self.variables:
             by_name |= dict.fromkeys(variable.elements, variable)
         return by_name
@@ -174,7 +180,7 @@ class Fmu:
         return units
 
 
-def _parameter(name: str, variable: Variable, start: Value) -> FileParameter:
+def _parameter(name: str, variable: DescribedVariable, start: Value) -> FileParameter:
     """Return one element of a variable as a parameter."""
     return FileParameter(
         name,
@@ -187,7 +193,7 @@ def _parameter(name: str, variable: Variable, start: Value) -> FileParameter:
 
 
 def read_fmu(path: Path, hoist: str = "") -> Fmu:
-    """Model description of an FMU that this host can drive; `hoist` is that of its rope."""
+    """Model description of an FMU that this host can drive; ``hoist`` is that of its rope."""
     if not path.is_file():
         argument = f"{hoist} " if hoist else ""
         command = f"balance-rope export {argument}--native --platform host --out {path}"
@@ -195,17 +201,18 @@ def read_fmu(path: Path, hoist: str = "") -> Fmu:
             f"FMU '{path}' is missing: `{command}` makes it, with a C compiler; "
             "without --native --platform host it needs none, and its rope is slower"
         )
-    return _read(*version_of(path))
+    return _read(version_of(path))
 
 
-def version_of(path: Path) -> tuple[Path, int, int]:
-    """A file as it is now: its place, when it was changed last [ns], and its number of bytes."""
+def version_of(path: Path) -> FileVersion:
+    """Return a file as it is now."""
     status = path.stat()
-    return path.resolve(), status.st_mtime_ns, status.st_size
+    return FileVersion(path.resolve(), status.st_mtime_ns, status.st_size)
 
 
 @lru_cache(maxsize=8)  # a study reads the same file for every run
-def _read(path: Path, changed: int, size: int) -> Fmu:
+def _read(file: FileVersion) -> Fmu:
+    path = file.path
     try:
         with ZipFile(path) as archive:
             members = archive.namelist()

@@ -2,7 +2,7 @@
 
 The FMU is a black box: variables are found by name in its model description. fmi_versions has the
 calls of FMI 2.0 and 3.0. The host computes t = start + k H; doStep(t, H) gets the end motions of t
-+ H (parameter `inputs_at_step_end` = true).
++ H (parameter ``inputs_at_step_end`` = true).
 """
 
 import hashlib
@@ -27,7 +27,8 @@ from hoist_demo.cosimulation.participants.fmi_versions import (
 from hoist_demo.cosimulation.participants.fmu_description import (
     DOUBLES,
     NUMBERS,
-    Variable,
+    DescribedVariable,
+    FileVersion,
     read_fmu,
     unpacked,
     version_of,
@@ -53,8 +54,8 @@ from hoist_demo.recording.fidelity import FIDELITY
 from rope_model import SIDES, EndMotion, Status
 
 _log = logging.getLogger(__name__)
-INPUTS = tuple(field.name for field in fields(EndMotion))  #: Names of an end's inputs.
-_MOTIONS = end_signals(*INPUTS)  #: Inputs of both ends, left then right.
+END_INPUTS = tuple(field.name for field in fields(EndMotion))  #: Names of an end's inputs.
+_MOTIONS = end_signals(*END_INPUTS)  #: Inputs of both ends, left then right.
 
 
 class FmuRope:
@@ -68,7 +69,7 @@ class FmuRope:
     ) -> None:
         """Load the FMU and set its parameters.
 
-        `recorded` outputs are read, by default all but the added masses.
+        ``recorded`` outputs are read, by default all but the added masses.
         """
         self._started = False
         self._warned: set[str] = set()  # warnings that were logged
@@ -79,28 +80,12 @@ class FmuRope:
         self._described = fmu.parameters
         self._variables = fmu.by_name
         inputs = [self._variable(name) for name in _MOTIONS]
-        if missing := [name for name in ROPE_FORCES if name not in fmu.outputs]:
-            raise ValueError(
-                f"FMU '{path}' must have the outputs {', '.join(missing)}: export it anew"
-            )
-        for variable in (*inputs, *(self._variable(name) for name in ROPE_FORCES)):
-            if variable.kind != "Real":
-                raise ValueError(
-                    f"FMU '{path}' must have {variable.name} as a real number, not of the type "
-                    f"{variable.type}: export it anew"
-                )
+        self._require_interface(inputs, fmu.outputs)
         if recorded is None:
             recorded = fmu.outputs.keys() - {*ADDED_MASSES}
         self._units = {name: unit for name, unit in fmu.outputs.items() if name in recorded}
         self._chosen: dict[str, Value] = {"inputs_at_step_end": True, **(parameters or {})}
-        instance = VERSIONS[self._description.fmiVersion]
-        directory = unpacked(*version_of(self._path))
-        try:
-            self._fmu: Instance = instance(directory, self._description, self._log_message)
-        except RuntimeError as error:
-            raise ValueError(
-                f"the FMU must instantiate, but: {self._explanation(error)}: export it anew"
-            ) from error
+        self._fmu = self._instance()
         self._motions = self._buffers("Set", inputs, rows=1)
         self._motion_columns = [_columns(buffer, _MOTIONS) for buffer in self._motions]
         valid = self._variables.get("status.valid")
@@ -113,6 +98,32 @@ class FmuRope:
         except BaseException:
             self.close()
             raise
+
+    def _require_interface(
+        self, inputs: Sequence[DescribedVariable], outputs: Collection[str]
+    ) -> None:
+        """Raise ValueError unless the FMU has all motions and forces as real numbers."""
+        if missing := [name for name in ROPE_FORCES if name not in outputs]:
+            raise ValueError(
+                f"FMU '{self._path}' must have the outputs {', '.join(missing)}: export it anew"
+            )
+        for variable in (*inputs, *(self._variable(name) for name in ROPE_FORCES)):
+            if variable.kind != "Real":
+                raise ValueError(
+                    f"FMU '{self._path}' must have {variable.name} as a real number, not of the "
+                    f"type {variable.type}: export it anew"
+                )
+
+    def _instance(self) -> Instance:
+        """Return a new instance of the FMU; ValueError if it cannot be made."""
+        kind = VERSIONS[self._description.fmiVersion]
+        directory = unpacked(version_of(self._path))
+        try:
+            return kind(directory, self._description, self._log_message)
+        except RuntimeError as error:
+            raise ValueError(
+                f"the FMU must instantiate, but: {self._explanation(error)}: export it anew"
+            ) from error
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
         """Set-up, initialization mode with the ends' start motion, and the first status."""
@@ -200,7 +211,7 @@ class FmuRope:
         return buffers, values
 
     def _buffers(
-        self, direction: Literal["Get", "Set"], variables: Sequence[Variable], rows: int
+        self, direction: Literal["Get", "Set"], variables: Sequence[DescribedVariable], rows: int
     ) -> list[Buffer]:
         """Return a buffer for the variables of each type."""
         buffers = []
@@ -212,7 +223,7 @@ class FmuRope:
     def _status_of(self, call: str, status: int) -> Status:
         """Return the status of a step that has failed in one of its calls, which C has made."""
         names = {
-            "MOTIONS": f"Set{self._variable(f'{SIDES[0]}.{INPUTS[0]}').type}",
+            "MOTIONS": f"Set{self._variable(f'{SIDES[0]}.{END_INPUTS[0]}').type}",
             "STEP": "DoStep",
         }
         if call in names:
@@ -227,7 +238,7 @@ class FmuRope:
         description = self._description
         model = {
             "FMU": self._path.name,
-            "SHA-256": _digest(*version_of(self._path)),
+            "SHA-256": _digest(version_of(self._path)),
             "model and version": f"{description.modelName} {description.version or ''}".strip(),
             "exported by": str(description.generationTool or "not said"),
             "FMI version": str(description.fmiVersion),
@@ -294,12 +305,12 @@ class FmuRope:
             return self._chosen[name]
         return self._described[name].start
 
-    def _variable(self, name: str) -> Variable:
+    def _variable(self, name: str) -> DescribedVariable:
         if name not in self._variables:
             raise ValueError(f"the FMU must have a variable '{name}': export it anew")
         return self._variables[name]
 
-    def _set(self, variable: Variable) -> None:
+    def _set(self, variable: DescribedVariable) -> None:
         """Set a parameter, of an array all elements, to the values chosen, by its FMI type."""
         values = [_typed(variable, self._value(name)) for name in variable.elements]
         try:
@@ -316,7 +327,7 @@ class FmuRope:
             buffer.call()
 
     def _status(self) -> Status:
-        """Return the status by `status.valid` and `status.message`.
+        """Return the status by ``status.valid`` and ``status.message``.
 
         An FMU without them is valid.
         """
@@ -388,19 +399,19 @@ def _columns(buffer: Buffer, names: Sequence[str]) -> _Columns:
     return _Columns(np.array(in_buffer), np.array(in_table))
 
 
-def _is_double(variable: Variable) -> bool:
+def _is_double(variable: DescribedVariable) -> bool:
     """Return True for a scalar whose value is a double in C."""
     return variable.type in DOUBLES and variable.elements == (variable.name,)
 
 
 @lru_cache(maxsize=8)  # a study winds with the same file in every run
-def _digest(path: Path, changed: int, size: int) -> str:
+def _digest(version: FileVersion) -> str:
     """SHA-256 of a file in one version."""
-    with path.open("rb") as file:
+    with version.path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _typed(v: Variable, value: Value) -> Value:
+def _typed(v: DescribedVariable, value: Value) -> Value:
     """Convert a value to the variable's FMI type, an enumeration's item to its number."""
     if v.kind == "Enumeration" and isinstance(value, str):
         if value not in v.items:

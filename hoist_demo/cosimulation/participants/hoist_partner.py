@@ -12,12 +12,12 @@ import numpy as np
 
 from hoist_demo.cosimulation.schemes.interface import (
     SUCCESS,
+    DriveLoad,
     InterfaceMotion,
-    Load,
     Stopwatch,
     Vector,
 )
-from hoist_demo.drive.equations import FORCES, INPUT_NAMES, WORK_NAMES
+from hoist_demo.drive.coordinates import FORCES, INPUT_NAMES, WORK_NAMES
 from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.drive.plant import HoistPlant, PlantState, PlantStep
 from rope_model import SIDES, EndMotion, Status
@@ -54,7 +54,7 @@ NextCommand = Callable[[int, float, Vector], DriveCommand]
 
 
 class HoistPartner:
-    """Hoist as a coupling's drive; `command` is to be called between steps."""
+    """Hoist as a coupling's drive; ``command`` is to be called between steps."""
 
     def __init__(
         self,
@@ -64,9 +64,9 @@ class HoistPartner:
         clock: Stopwatch,
         per_step: int = 1,
     ) -> None:
-        """`initial_input` acts at the start, in the order of INPUT_NAMES.
+        """``initial_input`` acts at the start, in the order of INPUT_NAMES.
 
-        `per_step` is the number of the controller's samples in a step.
+        ``per_step`` is the number of the controller's samples in a step.
         """
         self.plant = plant
         self.state = state
@@ -78,7 +78,9 @@ class HoistPartner:
         self._path = np.concatenate([initial_input, np.zeros(2 * initial_input.size)])
         self._clock = clock
         self._outputs: Vector | None = None  # OUTPUTS under the input, None where not computed
-        self._last_load: Load | None = None  # load of the last step, None where another acts now
+        self._last_load: DriveLoad | None = (
+            None  # load of the last step, None where another acts now
+        )
         self._end_motion: InterfaceMotion | None = None  # motion at the end of the last step
 
     def command(self, command: DriveCommand, side_forces: Vector) -> None:
@@ -92,7 +94,7 @@ class HoistPartner:
         """Take the controller's later commands of each step from this function."""
         self._next_command = next_command
 
-    def step(self, t: float, h: float, load: Load) -> Status:
+    def step(self, t: float, h: float, load: DriveLoad) -> Status:
         """Advance the hoist by one step under the load; a constant load is held to the bit."""
         with self._clock:
             reached = self._advance(t, h, load)
@@ -105,7 +107,7 @@ class HoistPartner:
             self._end_motion = _motion(reached.outputs)
         return SUCCESS
 
-    def _advance(self, t: float, h: float, load: Load) -> PlantStep:
+    def _advance(self, t: float, h: float, load: DriveLoad) -> PlantStep:
         """Advance the plant under the step's commands; a repeated step begins with the first one."""
         number = self._per_step
         path = self._path_under(load)
@@ -139,7 +141,7 @@ class HoistPartner:
     def position(self) -> Vector:
         return self.outputs[_POSITION]
 
-    def motion(self, load: Load, s: float) -> InterfaceMotion:
+    def motion(self, load: DriveLoad, s: float) -> InterfaceMotion:
         if self._end_motion is not None and self._last_load is load and s == 1.0:
             return self._end_motion
         with self._clock:
@@ -182,7 +184,7 @@ class HoistPartner:
         self._outputs = None
         self._last_load = None
 
-    def _path_under(self, load: Load) -> Vector:
+    def _path_under(self, load: DriveLoad) -> Vector:
         """Return the polynomial of the input over a step under this load."""
         self._path[_START] = load.start
         self._path[_LINEAR] = load.linear

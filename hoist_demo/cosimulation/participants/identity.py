@@ -11,10 +11,10 @@ _NOT_SET = "not set"
 
 
 def named_values(value: object, name: str = "") -> dict[str, Any]:
-    """Return the numbers and words in data classes, mappings and tuples, as `hoist.lining.sliding`.
+    """Return numbers and words in data classes, mappings and tuples, as ``hoist.lining.sliding``.
 
-    None is left out, and so are fields that take no part in comparisons. `name` is that of `value`
-    itself.
+    None is left out, and so are fields that take no part in comparisons. ``name`` is that of
+    ``value`` itself.
     """
     if value is None:
         return {}

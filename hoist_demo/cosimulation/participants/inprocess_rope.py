@@ -29,7 +29,7 @@ from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, Reader
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.parameters.suspension import SuspensionOffset
 from hoist_demo.recording.fidelity import FIDELITY, code_of
-from rope_model.scene_names import named_parameters, with_values
+from rope_model.scene_names import named_parameters, scene_with_values
 
 _log = logging.getLogger(__name__)
 _TAG = b"rope in process\n"
@@ -41,9 +41,9 @@ class InProcessRope:
     def __init__(
         self, scene: rope_model.Scene, read: Collection[str] | None = None, name: str = ""
     ) -> None:
-        """`read` are recorded outputs; None: all but the added masses, which take long.
+        """``read`` are recorded outputs; None: all but the added masses, which take long.
 
-        Warnings begin with `name`.
+        Warnings begin with ``name``.
         """
         self._rope = rope_model.balance_rope(scene)
         if read is None:
@@ -137,9 +137,9 @@ class InProcessRope:
         return _TAG + stamp(snapshot.to_bytes(), self._tunable())
 
     def from_bytes(self, data: bytes) -> bytes:
-        """Return the state for `restore`; ValueError for that of an FMU, or of other tunable parameters.
+        """Return the state for ``restore``; ValueError for an FMU's or other tunable parameters.
 
-        `restore` refuses one of other fixed parameters.
+        ``restore`` refuses one of other fixed parameters.
         """
         if not data.startswith(_TAG):
             raise ValueError(
@@ -207,9 +207,9 @@ def rope_scene(
 ) -> rope_model.Scene:
     """Return the scene of a level with parameters by FMI name, choices by code.
 
-    `suspension` adds to the spacing of the rope's ends.
+    ``suspension`` adds to the spacing of the rope's ends.
     """
-    scene = with_values(rope_model.at_level(rope_model.Scene(), level), parameters)
+    scene = scene_with_values(rope_model.at_level(rope_model.Scene(), level), parameters)
     if suspension is None:
         return scene
     return scene.with_(

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.cosimulation.participants.c_structures import Member, SharedStructure, fields_of
+from hoist_demo.cosimulation.participants.c_structures import CMember, SharedStructure, fields_of
 from hoist_demo.recording.fidelity import code_of
 from rope_model import Status
 
@@ -44,14 +44,14 @@ class Access(SharedStructure):
     """Function of the rope that gets or sets values, row by row of an array."""
 
     members = (
-        Member("called_as", "int", "AS_ and the function's name: the member of the union"),
-        Member("function", "Function"),
-        Member("rope", "void *"),
-        Member("numbers", "const void *", "of the values"),
-        Member("count", "size_t", "of the numbers"),
-        Member("length", "size_t", "of a row"),
-        Member("bytes", "size_t", "of a row"),
-        Member("values", "char *"),
+        CMember("called_as", "int", "AS_ and the function's name: the member of the union"),
+        CMember("function", "Function"),
+        CMember("rope", "void *"),
+        CMember("numbers", "const void *", "of the values"),
+        CMember("count", "size_t", "of the numbers"),
+        CMember("length", "size_t", "of a row"),
+        CMember("bytes", "size_t", "of a row"),
+        CMember("values", "char *"),
     )
     _fields_ = fields_of(members)
 
@@ -59,10 +59,10 @@ class Access(SharedStructure):
 def make_access(
     name: str, function: Any, rope: int, numbers: Array[Any], values: NDArray[Any]
 ) -> Access:
-    """Return the access to a C function, of the type of the function `name`.
+    """Return the access to a C function, of the type of the function ``name``.
 
-    `numbers` are references of the variables that the function gets or sets, each row of `values`
-    is room for all of them.
+    ``numbers`` are references of the variables that the function gets or sets, each row of
+    ``values`` is room for all of them.
     """
     access = Access(
         called_as=FUNCTIONS.index(name),

@@ -27,7 +27,7 @@ _NUMERIC = "biufc"  #: NumPy's letters of booleans, integers, reals and complex 
 def encode(value: object, name: str, arrays: Arrays) -> Any:
     """Return plain data for JSON; ValueError for other data.
 
-    Arrays and bytes go into `arrays`, by names that begin with `name` and tell their place.
+    Arrays and bytes go into ``arrays``, by names that begin with ``name`` and tell their place.
     """
     kind = type(value)
     if value is None or kind in (bool, int, float, str):
@@ -78,7 +78,7 @@ def to_bytes(value: object) -> bytes:
 
 
 def from_bytes(data: bytes) -> Any:
-    """Return the plain data that `to_bytes` was given; ValueError for other bytes."""
+    """Return the plain data that ``to_bytes`` was given; ValueError for other bytes."""
     try:
         with np.load(BytesIO(data), allow_pickle=False) as file:
             arrays = {name.removeprefix("array "): file[name] for name in file.files}
@@ -98,7 +98,7 @@ def _store_array(array: NDArray[Any], name: str, arrays: Arrays) -> str:
 
 
 def decode(value: Any, arrays: Arrays) -> Any:
-    """Decode the data that `encode` was given."""
+    """Decode the data that ``encode`` was given."""
     if isinstance(value, list):
         return [decode(x, arrays) for x in value]
     if not isinstance(value, dict):

@@ -24,7 +24,7 @@ def stamp(state: bytes, parameters: Mapping[str, Value]) -> bytes:
 
 
 def unstamp(data: bytes, parameters: Mapping[str, Value]) -> bytes:
-    """Return the state that `stamp` was given; ValueError if it belongs to other parameters."""
+    """Return the state that ``stamp`` was given; ValueError if it belongs to other parameters."""
     stamp, _, state = data.partition(b"\n")
     try:
         there = json.loads(stamp)

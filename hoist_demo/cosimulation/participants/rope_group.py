@@ -78,7 +78,7 @@ class RopeGroup:
     def __init__(
         self, members: Sequence[GroupedRope], neighbours: Neighbours | None = None
     ) -> None:
-        """With `neighbours` the members, each a WholeRope, press each other."""
+        """With ``neighbours`` the members, each a WholeRope, press each other."""
         names = [member.name for member in members]
         if not names or len({*names}) < len(names):
             raise ValueError(
@@ -192,7 +192,7 @@ class RopeGroup:
         return to_bytes((_TAG, [member.name for member in self.members], ropes, of_group))
 
     def from_bytes(self, data: bytes) -> GroupSnapshot:
-        """Return the snapshot of `to_bytes`; ValueError for the state of other ropes."""
+        """Return the snapshot of ``to_bytes``; ValueError for the state of other ropes."""
         tag, names, ropes, of_group = from_bytes(data)
         here = [member.name for member in self.members]
         if (tag, names) != (_TAG, here):
@@ -266,7 +266,7 @@ class Turn:
     def __init__(
         self, rope: RopePlant, read: Reader, step: Interval, before: _Ends, after: _Ends
     ) -> None:
-        """`read` reads MEANS; `before` and `after` are the motions of the ends around the step."""
+        """``read`` reads MEANS; ``before`` and ``after`` are the ends' motions around the step."""
         self.status = Status(True)
         self.parts = 0
         self._impulse = np.zeros(len(MEANS))

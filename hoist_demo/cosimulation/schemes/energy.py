@@ -22,7 +22,7 @@ _ROUNDING = 1e-9  #: Part of a step by which the rest may exceed it through roun
 
 @dataclass(frozen=True)
 class EnergyControlled:
-    """Divides the host's steps so that each step of `inner` has a power below `bound` [W]."""
+    """Divides the host's steps so that each step of ``inner`` has a power below ``bound`` [W]."""
 
     inner: Scheme
     bound: float = 20.0  # W

@@ -15,7 +15,7 @@ from hoist_demo.cosimulation.schemes import interface
 from hoist_demo.cosimulation.schemes.interface import (
     Advance,
     CoupledSystem,
-    Load,
+    DriveLoad,
     SchemeState,
     Vector,
 )
@@ -31,7 +31,7 @@ def extrapolation_coefficients(
 ) -> Coefficients:
     """Return c0, c1, c2 of c0 + c1 s + c2 s^2 over the next step of h [s], s = 0 .. 1.
 
-    `name` is the field of Sample that is extrapolated.
+    ``name`` is the field of Sample that is extrapolated.
     """
     latest = samples[-1]
     last: Vector = getattr(latest, name)
@@ -53,7 +53,7 @@ def extrapolation_coefficients(
 
 @dataclass(frozen=True)
 class Extrapolated:
-    """Base of the schemes that extrapolate to `order` 0, 1 or 2."""
+    """Base of the schemes that extrapolate to ``order`` 0, 1 or 2."""
 
     order: int
     needs_rollback: bool = False
@@ -63,12 +63,12 @@ class Extrapolated:
     def weights(self) -> tuple[float, ...]:
         return MEAN_WEIGHTS[self.order]
 
-    def extrapolated_load(self, scheme_state: SchemeState, h: float) -> Load:
+    def extrapolated_load(self, scheme_state: SchemeState, h: float) -> DriveLoad:
         """Return the rope's past forces, extrapolated over the next step of h [s]."""
         start, linear, quadratic = extrapolation_coefficients(
             scheme_state.samples, "force", self.order, h
         )
-        return Load(start, linear, quadratic, added_mass=np.zeros(start.shape))
+        return DriveLoad(start, linear, quadratic, added_mass=np.zeros(start.shape))
 
 
 class GaussSeidel(Extrapolated):
@@ -109,7 +109,7 @@ class Jacobi(Extrapolated):
         if not status.valid:
             return Advance(scheme_state, status)
         force, _ = coupled.forces()
-        return Advance(coupled.exchanged(scheme_state, t + h, Load.constant(force)))
+        return Advance(coupled.exchanged(scheme_state, t + h, DriveLoad.constant(force)))
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ class SemiImplicit(Extrapolated):
             scheme_state.samples, "acceleration", self.order, h
         )
         start, linear, quadratic = (f + added * a for f, a in zip(force, acceleration, strict=True))
-        return coupled.exchange(scheme_state, t, h, Load(start, linear, quadratic, added))
+        return coupled.exchange(scheme_state, t, h, DriveLoad(start, linear, quadratic, added))
 
 
 @dataclass(frozen=True)
@@ -154,4 +154,4 @@ class ImpulsePreserving:
     def advance(
         self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float
     ) -> Advance:
-        return coupled.exchange(scheme_state, t, h, Load.constant(scheme_state.last.mean))
+        return coupled.exchange(scheme_state, t, h, DriveLoad.constant(scheme_state.last.mean))

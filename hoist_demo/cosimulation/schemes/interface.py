@@ -45,7 +45,7 @@ class InterfaceMotion(NamedTuple):
     acceleration: Vector  # m/s^2
 
 
-class Load(NamedTuple):
+class DriveLoad(NamedTuple):
     """Forces on the drive over one step, each (n,), in N; the added mass in kg."""
 
     start: Vector
@@ -54,16 +54,16 @@ class Load(NamedTuple):
     added_mass: Vector
 
     @staticmethod
-    def constant(force: Vector) -> Load:
+    def constant(force: Vector) -> DriveLoad:
         """Return a load with this force (n,) throughout."""
         zero = np.zeros(force.shape)
-        return Load(force, zero, zero, zero)
+        return DriveLoad(force, zero, zero, zero)
 
     @staticmethod
-    def through(start: Vector, mean: Vector, end: Vector) -> Load:
+    def through(start: Vector, mean: Vector, end: Vector) -> DriveLoad:
         """Return the parabola with these forces at both ends and this mean."""
         quadratic = 3.0 * (start + end) - 6.0 * mean
-        return Load(start, end - start - quadratic, quadratic, np.zeros(start.shape))
+        return DriveLoad(start, end - start - quadratic, quadratic, np.zeros(start.shape))
 
 
 class Sample(NamedTuple):
@@ -90,7 +90,7 @@ class SchemeState(NamedTuple):
         return self.samples[-1]
 
     def with_taken_back(self, count: int = 1) -> SchemeState:
-        """Return the state with `count` more exchanges that were done and undone."""
+        """Return the state with ``count`` more exchanges that were done and undone."""
         return self._replace(exchanges=self.exchanges + count, taken_back=self.taken_back + count)
 
 
@@ -104,13 +104,13 @@ class Advance(NamedTuple):
 class DrivePartner(Protocol):
     """Partner that takes forces and gives motions."""
 
-    def step(self, t: float, h: float, load: Load) -> Status:
+    def step(self, t: float, h: float, load: DriveLoad) -> Status:
         """Advance from t to t + h [s]."""
 
     def position(self) -> Vector:
         """Places of the ends now, (n,) [m]."""
 
-    def motion(self, load: Load, s: float) -> InterfaceMotion:
+    def motion(self, load: DriveLoad, s: float) -> InterfaceMotion:
         """Motion now, with the accelerations under the load as it is at s."""
 
     def ends(self, motion: InterfaceMotion) -> tuple[EndMotion, EndMotion]:
@@ -126,7 +126,7 @@ class DrivePartner(Protocol):
         """Return a snapshot of the present state."""
 
     def restore(self, snapshot: Any) -> None:
-        """Restore a snapshot of `save`."""
+        """Restore a snapshot of ``save``."""
 
 
 Reader = Callable[[], Vector]
@@ -135,7 +135,7 @@ Reader = Callable[[], Vector]
 class RopePlant(Protocol):
     """A balance rope between two moving ends, in an FMU or in this process.
 
-    Names of signals are those of the FMI interface, e.g. `left.fy` [N], the rope's force on the
+    Names of signals are those of the FMI interface, e.g. ``left.fy`` [N], the rope's force on the
     left conveyance.
     """
 
@@ -143,7 +143,7 @@ class RopePlant(Protocol):
         """Find the hanging shape at time t0 [s]; readers then give the forces at rest."""
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
-        """Advance from t to t + h [s]; `left` and `right` hold at t + h."""
+        """Advance from t to t + h [s]; ``left`` and ``right`` hold at t + h."""
 
     def units(self) -> dict[str, str]:
         """FMI unit of each signal of which a run makes a record, "1" or "" where it has none."""
@@ -165,7 +165,7 @@ class RopePlant(Protocol):
         """Serialize a snapshot for a file."""
 
     def from_bytes(self, data: bytes) -> Any:
-        """Deserialize the bytes of `to_bytes`, of any instance; ValueError if they do not fit."""
+        """Deserialize the bytes of ``to_bytes``, of any instance; ValueError if they do not fit."""
 
     def close(self) -> None:
         """Free what the rope holds; may be called more than once."""
@@ -191,7 +191,7 @@ class CoupledSystem:
     def __init__(
         self, drive: DrivePartner, rope: RopePlant, clock: Stopwatch | None = None
     ) -> None:
-        """`rope` hangs; `clock` counts the time that it takes."""
+        """``rope`` hangs; ``clock`` counts the time that it takes."""
         self.drive = drive
         self.rope = rope
         self._clock = clock or Stopwatch()
@@ -207,21 +207,21 @@ class CoupledSystem:
             return self.read_rope(t, self.rope.step(t, h, *self.drive.ends(motion)))
 
     def read_rope(self, t: float, status: Status) -> Status:
-        """Read the rope's forces behind its step from t [s]; `status` is that of the step."""
+        """Read the rope's forces behind its step from t [s]; ``status`` is that of the step."""
         response = read_response(status, self._read_forces)
         self._forces = response.forces
         if response.status.valid:
             return response.status
         return Status(False, f"rope, step from t = {t:.6g} s: {response.status.message}")
 
-    def step(self, t: float, h: float, load: Load) -> Status:
+    def step(self, t: float, h: float, load: DriveLoad) -> Status:
         """Advance the drive under the load by one step, and the rope along the drive's motion."""
         status = self.step_drive(t, h, load)
         if not status.valid:
             return status
         return self.step_rope(t, h, self.drive.motion(load, 1.0))
 
-    def step_drive(self, t: float, h: float, load: Load) -> Status:
+    def step_drive(self, t: float, h: float, load: DriveLoad) -> Status:
         """Advance the drive alone from t to t + h [s]."""
         self._work_before = self.drive.work()
         self._position_before = self.drive.position()
@@ -269,11 +269,11 @@ class CoupledSystem:
         Before it everything counts as at rest.
         """
         force, mean = self.forces()
-        acceleration = self.drive.motion(Load.constant(force), 1.0).acceleration
+        acceleration = self.drive.motion(DriveLoad.constant(force), 1.0).acceleration
         return SchemeState((Sample(t, force, mean, acceleration),))
 
-    def exchanged(self, scheme_state: SchemeState, t: float, load: Load) -> SchemeState:
-        """Return the state behind a step that ended at t [s], where `load` acts.
+    def exchanged(self, scheme_state: SchemeState, t: float, load: DriveLoad) -> SchemeState:
+        """Return the state behind a step that ended at t [s], where ``load`` acts.
 
         Its residual grows by the drive's work less the rope's, which is the mean force times the
         distance to the third order in h.
@@ -288,7 +288,7 @@ class CoupledSystem:
             residual=scheme_state.residual + residual,
         )
 
-    def exchange(self, scheme_state: SchemeState, t: float, h: float, load: Load) -> Advance:
+    def exchange(self, scheme_state: SchemeState, t: float, h: float, load: DriveLoad) -> Advance:
         """Do the step under a load, drive first, and return the new state."""
         status = self.step(t, h, load)
         if not status.valid:
@@ -304,7 +304,7 @@ class RopeResponse(NamedTuple):
 
 
 def read_response(status: Status, read: Reader) -> RopeResponse:
-    """Read ROPE_FORCES behind a start or step that had `status`.
+    """Read ROPE_FORCES behind a start or step that had ``status``.
 
     It fails unless they are finite.
     """

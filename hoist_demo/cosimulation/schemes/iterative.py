@@ -25,7 +25,7 @@ from hoist_demo.cosimulation.schemes.explicit import extrapolation_coefficients
 from hoist_demo.cosimulation.schemes.interface import (
     Advance,
     CoupledSystem,
-    Load,
+    DriveLoad,
     SchemeState,
     Vector,
 )
@@ -102,7 +102,7 @@ class Secant:
 
 @dataclass(frozen=True)
 class Iterative:
-    """Repeats a step until no force changes by more than `tolerance` [N]."""
+    """Repeats a step until no force changes by more than ``tolerance`` [N]."""
 
     accelerator: AcceleratorName
     tolerance: float = 1.0  # N
@@ -155,12 +155,12 @@ class Iterative:
         mean = force + linear / 2.0 + quadratic / 3.0
         return self._unknown(mean, force + linear + quadratic)
 
-    def _load(self, start: Vector, x: Vector) -> Load:
-        """Return the load of the unknown forces x, in a step that begins with the force `start`."""
+    def _load(self, start: Vector, x: Vector) -> DriveLoad:
+        """Return the load of the unknown forces x in a step from the force ``start`` on."""
         if self.hold_mean:
-            return Load.constant(x)
+            return DriveLoad.constant(x)
         mean, end = np.split(x, 2)
-        return Load.through(start, mean, end)
+        return DriveLoad.through(start, mean, end)
 
     def _unknown(self, mean: Vector, end: Vector) -> Vector:
         """Return the unknown forces of a step with this mean and this force at its end."""

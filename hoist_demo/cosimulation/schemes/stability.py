@@ -100,7 +100,7 @@ def predict_stability(
 
 
 class TrialFailed(Exception):
-    """Trial step of the rope that failed with `status`."""
+    """Trial step of the rope that failed with ``status``."""
 
     def __init__(self, status: Status) -> None:
         super().__init__(status.message)
@@ -166,7 +166,7 @@ def added_mass_of_step(coupled: CoupledSystem, t: float, H: float) -> Vector:
 def growth_per_step(scheme: Scheme, response: Vector, mass: float, added_mass: float) -> float:
     """Return the largest root of the recursion for one end; 0 if no past forces are used.
 
-    `response` is (RESPONSE_STEPS,) in kg; the scheme adds `added_mass` [kg] to `mass`.
+    ``response`` is (RESPONSE_STEPS,) in kg; the scheme adds ``added_mass`` [kg] to ``mass``.
     """
     w = np.array(scheme.weights)
     if not w.size:

@@ -11,7 +11,7 @@ import numpy as np
 from invariants.features import DURATION, FEATURES, Drawn, Draws, Values, catalogue_rope
 from invariants.motions import Ends, draw_motion
 from rope_model import EndMotion, Mesh, PointForces, Scene
-from rope_model.scene_names import with_values
+from rope_model.scene_names import scene_with_values
 
 Array = np.ndarray
 #: share of cases with each feature of the steps
@@ -43,10 +43,10 @@ class Case:
     def with_(self, **parts: object) -> Case:
         return replace(self, **parts)  # type: ignore[arg-type]
 
-    def with_values(self, **values: object) -> Case:
+    def scene_with_values(self, **values: object) -> Case:
         """With other parameters of the scene; ``__`` stands for the dot of a name."""
         changed = {name.replace("__", "."): value for name, value in values.items()}
-        return replace(self, scene=with_values(self.scene, changed))  # type: ignore[arg-type]
+        return replace(self, scene=scene_with_values(self.scene, changed))  # type: ignore[arg-type]
 
     def point_forces(self) -> PointForces | None:
         if self.force is None:
@@ -124,7 +124,7 @@ class Sketch:
             self.force = (draws.evenly(0.05, 0.95) * drawn.length, load)
 
     def case(self) -> Case:
-        scene = with_values(Scene(mesh=Mesh("auto")), self.values)
+        scene = scene_with_values(Scene(mesh=Mesh("auto")), self.values)
         return Case(
             self.seed,
             self.number,

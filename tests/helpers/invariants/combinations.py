@@ -1,8 +1,9 @@
 """Hoist files by pairs of choices, and the relations between the commands that take them.
 
-A covering array (allpairspy) has every pair of choices of two factors in at least one row. Every row is a hoist's file
-and one way to use it. The trip is wound first, by `wind` in process; what another command gives must then be the same
-trip. A row that cannot be is refused in one sentence. There is no third outcome.
+A covering array (allpairspy) has every pair of choices of two factors in at least one row. Every
+row is a hoist's file and one way to use it. The trip is wound first, by ``wind`` in process; what
+another command gives must then be the same trip. A row that cannot be is refused in one sentence.
+There is no third outcome.
 """
 
 from __future__ import annotations
@@ -143,7 +144,7 @@ REFUSALS: tuple[tuple[Choices, ...], ...] = (
     (("fidelity", FLAT), ("contact", ("of the rope with itself",)), ("ropes", ("two",))),
 )
 
-#: Beginnings of the names of a rope's values: one rope, one of a group, those of `ROPES`.
+#: Beginnings of the names of a rope's values: one rope, one of a group, those of ``ROPES``.
 PREFIXES = ("", "rope1.", "front.", "back.")
 
 HEAD = 'name = "pair"\nlike = "rope-120"\nwinding.settle = 1.0\nwinding.start_delay = 0.2\n'
@@ -151,7 +152,7 @@ HEAD = 'name = "pair"\nlike = "rope-120"\nwinding.settle = 1.0\nwinding.start_de
 
 @dataclass(frozen=True)
 class Wound:
-    """Outcome of `wind` in process."""
+    """Outcome of ``wind`` in process."""
 
     file: Path
     out: Path
@@ -160,7 +161,7 @@ class Wound:
 
     @property
     def signals(self) -> pd.DataFrame:
-        """Return the recorded signals by column, `name [unit]`."""
+        """Return the recorded signals by column, ``name [unit]``."""
         return pd.read_csv(self.out / "signals.csv")
 
 
@@ -266,7 +267,7 @@ def text_of(row: Mapping[str, str]) -> str:
 
 
 def judge_row(bench: Bench, row: Mapping[str, str]) -> str:
-    """Return `refused` or `right`; raise the Finding of a row that is neither."""
+    """Return ``refused`` or ``right``; raise the Finding of a row that is neither."""
     file = bench.folder / "hoist.toml"
     file.write_text(text_of(row), encoding="utf-8")
     wound = bench.wind(row, file, "wound")
@@ -277,7 +278,7 @@ def judge_row(bench: Bench, row: Mapping[str, str]) -> str:
 
 
 def _judge_refused_hoist(bench: Bench, row: Mapping[str, str], file: Path) -> str:
-    """Require that --check refuses what `wind` refuses, so that nobody waits for it."""
+    """Require that --check refuses what ``wind`` refuses, so that nobody waits for it."""
     if bench.call(row, "wind", str(file), "--in-process", "--check").code != REFUSED:
         raise Finding(row, "wind --check accepts what wind refuses")
     return "refused"
@@ -331,7 +332,7 @@ def _data(out: Path) -> dict[str, float]:
 
 
 def _metrics(wound: Wound, rope: str) -> dict[str, float]:
-    """Return metrics that every table of runs has, from the record of the trip; `rope` begins the names of a rope."""
+    """Return every table's metrics from a trip's record; ``rope`` begins a rope's names."""
     signals = wound.signals
     pulls = [-signals[f"{rope}{side}.fy [N]"] for side in ("left", "right")]
     return {

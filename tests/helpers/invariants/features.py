@@ -1,7 +1,8 @@
 """What a scene can have: each feature draws its parameters by the names of the interface, from numbers of its own.
 
-A feature that is left out leaves the others as they are, so that a finding can be made smaller.  Ranges are those of
-mine hoists, and a little more. `tests/project/test_invariants.py` fails while a parameter of the tables is not drawn.
+A feature that is left out leaves the others as they are, so that a finding can be made smaller.
+Ranges are those of mine hoists, and a little more. ``tests/project/test_invariants.py`` fails while
+a parameter of the tables is not drawn.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ from invariants.runs import (
 from rope_model import FAR, SIGNALS, EndMotion, Scene
 from rope_model.parameter_table import parameters_of
 from rope_model.parameters import AT_START
-from rope_model.scene_names import named_parameters, with_values
+from rope_model.scene_names import named_parameters, scene_with_values
 
 #: of the largest value: forces of stiff elements amplify the rounding of positions of 1000 m,
 #: 1e-13 m x EA / l = 1e-5 N; beside what one of Newton's corrections a step leaves, which the next steps
@@ -66,7 +66,7 @@ def values_of(scene: Scene) -> Values:
 
 def with_changes(scene: Scene, values: Values) -> Scene:
     try:
-        return with_values(scene, values)
+        return scene_with_values(scene, values)
     except ValueError as error:
         raise Refused(f"changed: {error}") from error
 
