@@ -89,11 +89,9 @@ def unpacked(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], P
 
 @pytest.fixture
 def quick_layout(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Figures whose layout is not optimised, nor the places of their titles: most of their time."""
+    """Figures whose layout is not optimised: most of the time of those of linear models."""
     figures = import_module("hoist_demo.report.figures")
-    monkeypatch.setattr(figures, "PANELS_LAYOUT", None)
     monkeypatch.setitem(figures.STYLE, "figure.constrained_layout.use", False)
-    monkeypatch.setitem(figures.STYLE, "axes.titley", 1.0)
 
 
 @pytest.fixture
