@@ -42,6 +42,10 @@ settings.register_profile(
     "seeded", deadline=None, derandomize=True, max_examples=50
 )  # the same every time
 settings.load_profile("seeded")
+# nor does it draw numbers of the modules that happen to be loaded, which it would read all for it: 5 s in each process
+providers = import_module("hypothesis.internal.conjecture.providers")
+if hasattr(providers, "is_local_module_file"):
+    providers.is_local_module_file = lambda _: False
 
 
 def pytest_collection_modifyitems(config: pytest.Config) -> None:

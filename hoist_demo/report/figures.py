@@ -22,7 +22,6 @@ from hoist_demo.cosimulation.participants.rope_data import NO_DATA, RopeData
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Array, Recording, shape_rows
-from hoist_demo.report.panels import Mark, Panel, derived_signals, is_constant, panels
 from hoist_demo.report.panel_layout import (
     ABOVE,
     BELOW,
@@ -34,6 +33,7 @@ from hoist_demo.report.panel_layout import (
     stacked_panels,
     widest_labels,
 )
+from hoist_demo.report.panels import Mark, Panel, derived_signals, is_constant, panels
 from rope_model.files import whole_file
 
 COLOURS = {"left": "#1f5fa8", "right": "#d9731a"}

@@ -6,6 +6,7 @@ import random
 from dataclasses import replace
 from enum import Enum
 from itertools import chain
+from functools import cache
 from typing import Any, get_args, get_type_hints
 
 import casadi as ca
@@ -88,7 +89,7 @@ def c_structure(kind: type[Any]) -> type[ct.Structure]:
         return STRUCTURES[kind]
     fields = [
         (name, c_structure(hint) if hasattr(hint, "_fields") else c_numbers(shape_of(hint)))
-        for name, hint in get_type_hints(kind).items()
+        for name, hint in hints_of(kind).items()
     ]
     return type(kind.__name__, (ct.Structure,), {"_fields_": fields})
 
@@ -130,9 +131,15 @@ def in_c(value: Any, argument: Argument) -> Any:
     return np.array(value).ctypes.data_as(ct.c_void_p)
 
 
+@cache
+def hints_of(kind: type[Any]) -> dict[str, Any]:
+    """Return the types of the fields of a kind, which take most of the time of a call."""
+    return get_type_hints(kind)
+
+
 def fill(structure: ct.Structure, value: Any, kind: type[Any]) -> ct.Structure:
     """Give the members of a structure in C the values of an object of ``kind``."""
-    hints = get_type_hints(kind)
+    hints = hints_of(kind)
     parts = value._asdict() if hasattr(value, "_asdict") else vars(value)
     for name, part in parts.items():
         if name in ("left", "right") and kind is Scene:
