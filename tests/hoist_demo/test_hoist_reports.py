@@ -2,6 +2,7 @@
 
 import base64
 import hashlib
+import math
 import os
 import signal
 import subprocess
@@ -18,6 +19,7 @@ import pytest
 from checkout import ROOT
 from exports import FLAVOURS
 from numpy.testing import assert_allclose
+from scipy.signal import find_peaks, welch
 from shared import Capture, Patch
 
 from hoist_demo.command_line import support
@@ -30,6 +32,7 @@ from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording import exposure as exposures
 from hoist_demo.recording import fidelity as masks
 from hoist_demo.recording.incidents import SIDES, Stop, stops
+from hoist_demo.recording.spectra import highest_peak, spectra, strongest, welch_power
 from hoist_demo.recording.time_series import TIME, Recording
 from hoist_demo.report.html import packing
 from hoist_demo.report.rope_record import RopeRecord
@@ -420,9 +423,26 @@ def test_a_vibration_in_a_trip_has_its_frequency_and_amplitude() -> None:
     t = np.arange(0.0, 40.0, 0.01)
     trip = 5000.0 * np.sin(np.pi * t / 40.0) ** 2
     columns = np.column_stack((trip + 7.0 * np.sin(2 * np.pi * 1.85 * t), trip, 0.0 * t))
-    frequency, amplitude = exposures.strongest(exposures.spectra(t, columns))
+    frequency, amplitude = strongest(spectra(t, columns))
     assert_allclose(frequency, [1.85, np.nan, np.nan])  # the line lies on one of the spectrum
     assert_allclose(amplitude, [7.0, 0.0, 0.0], rtol=1e-3)
+
+
+@pytest.mark.parametrize("rows", [16, 17, 18, 19, 1000, 1001])
+def test_power_and_highest_peak_are_those_of_scipy(rows: int) -> None:
+    values = 1e4 + np.cumsum(np.random.default_rng(rows).normal(size=(rows, 20)), axis=0)
+    _, power = welch(values, nperseg=rows // 2, detrend="linear", scaling="spectrum", axis=0)
+    # a line has rounding errors of the whole record
+    rounding = 1e-14 * np.max(np.abs(values)) ** 2
+    assert_allclose(welch_power(values.T).T, power, rtol=1e-9, atol=rounding)
+    # rounded, peaks are flat and equal ones frequent
+    for column in (*np.log(power.T), *np.round(values.T), *np.round(np.log(power.T))):
+        peaks = find_peaks(column, prominence=MIN_PROMINENCE)[0]
+        best = peaks[np.argmax(column[peaks])] if peaks.size else None
+        assert highest_peak(column, MIN_PROMINENCE) == best
+
+
+MIN_PROMINENCE = math.log(2.0)
 
 
 def test_places_that_the_loop_passes_bend_once_in_a_winding_and_others_never() -> None:
