@@ -7,8 +7,6 @@ tests compare them, takes longer to load than a trip to wind.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.fft import rfft, rfftfreq
-from scipy.linalg import lstsq
 
 from hoist_demo.recording.time_series import Array
 
@@ -42,7 +40,7 @@ def spectra(time: Array, values: Array) -> Spectra:
     step = float(np.median(np.diff(time)))
     finite = np.isfinite(values).all(axis=0)
     power = welch_power(np.where(finite, values, 0.0).T).T
-    frequency = rfftfreq(rows // 2, 1.0 / (1.0 / step))
+    frequency = np.fft.rfftfreq(rows // 2, 1.0 / (1.0 / step))
     vibrates = frequency * step * (rows // 2) >= MIN_PERIODS
     return Spectra(frequency[vibrates], np.where(finite, np.sqrt(2.0 * power[vibrates]), np.nan))
 
@@ -58,8 +56,8 @@ def welch_power(x: Array) -> Array:
     powers = []
     for begin in range(0, x.shape[1] - size + 1, hop):
         half = x[:, begin : begin + size]
-        half = half - (trend @ lstsq(trend, half.T)[0]).T
-        lines = rfft(half * hann)
+        half = half - (trend @ np.linalg.lstsq(trend, half.T)[0]).T
+        lines = np.fft.rfft(half * hann)
         powers.append(lines.real**2 + lines.imag**2)
     power: Array = np.mean(powers, axis=0)
     # both signs of a frequency; 0 and half the sampling rate have one
