@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import gc
 import os
+import subprocess
+import sys
 from collections.abc import Callable, Generator, Iterator
 from functools import cache
 from importlib import import_module
@@ -52,6 +54,17 @@ def pytest_collection_modifyitems(config: pytest.Config) -> None:
     """FMUs are compiled quickly in the tests of ``make test``; ``make test-slow`` compiles them as they are shipped."""
     if os.name == "posix" and find_spec("ziglang") and config.option.markexpr == "not slow":
         os.environ["PYTHONPATH"] = os.pathsep.join((str(QUICK), os.environ["PYTHONPATH"]))
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Compiles the engine while several processes collect tests, all of which would wait for it."""
+    config = session.config
+    if getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
+        compiling = subprocess.Popen(
+            [sys.executable, "-c", "from rope_model.codegen.build import library; library()"],
+            stderr=subprocess.DEVNULL,  # tests that need it say what is wrong
+        )
+        config.add_cleanup(compiling.wait)
 
 
 @pytest.hookimpl(wrapper=True)
