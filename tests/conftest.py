@@ -106,9 +106,8 @@ def unpacked(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], P
 
 @pytest.fixture
 def quick_layout(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Figures whose layout is not optimised: most of the time of those of linear models."""
-    figures = import_module("hoist_demo.report.figures")
-    monkeypatch.setitem(figures.STYLE, "figure.constrained_layout.use", False)
+    """Figures of linear models whose layout is not optimised: most of their time."""
+    monkeypatch.setattr(import_module("hoist_demo.report.linear_figures"), "LAYOUT", None)
 
 
 @pytest.fixture

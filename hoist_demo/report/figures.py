@@ -208,7 +208,7 @@ def shapes(recording: Recording, ropes: Sequence[RopeData]) -> Figure | None:
             drawn.append((recording.time[row], curves))
     if not drawn:
         return None
-    figure = Figure(figsize=(WIDTH, _SHAPES_HEIGHT), layout="none")
+    figure = Figure(figsize=(WIDTH, _SHAPES_HEIGHT))
     grid = figure.subplots(2, 2, sharex="col", height_ratios=(1.5, 1.0))
     colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, len(drawn)))
     low = min(min(float(np.min(shape[:, 1])) for shape in curves) for _, curves in drawn)
@@ -243,12 +243,13 @@ def _lay_out_shapes(figure: Figure, grid: NDArray[np.object_]) -> None:
     figure.subplots_adjust(
         bottom=bottom / _SHAPES_HEIGHT, top=1.0 - ABOVE / _SHAPES_HEIGHT, hspace=ABOVE / row
     )
-    left = widest_labels(figure, grid.ravel())
+    axes: list[Axes] = grid.ravel().tolist()
+    left = widest_labels(figure, axes)
     column = (WIDTH - _SHAPES_RIGHT) / 2.0 - left
     figure.subplots_adjust(
         left=left / WIDTH, right=1.0 - _SHAPES_RIGHT / WIDTH, wspace=left / column
     )
-    place_labels(grid.ravel(), left)
+    place_labels(figure, axes, left)
 
 
 def _curves_at(recording: Recording, ropes: Sequence[RopeData], row: int) -> list[Array]:

@@ -7,6 +7,7 @@ matplotlib measure the ticks of all panels for each of them, several times.
 from collections.abc import Sequence
 
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -26,7 +27,7 @@ _FACTOR = 10.0  #: Height of a factor of the tick labels, above its axis [points
 def stacked_panels(titles: Sequence[str]) -> tuple[Figure, list[Axes]]:
     """Return a figure with panels above one another over a common axis."""
     height = _PITCH * len(titles) + _ALL_PANELS
-    figure = Figure(figsize=(WIDTH, height), layout="none")
+    figure = Figure(figsize=(WIDTH, height))
     axes: list[Axes] = list(figure.subplots(len(titles), 1, sharex=True, squeeze=False)[:, 0])
     for ax, title in zip(axes, titles, strict=True):
         ax.set_title(title)
@@ -49,7 +50,7 @@ def lay_out_stack(figure: Figure, axes: Sequence[Axes], more_above: float = 0.0)
     left = widest_labels(figure, axes)
     right = max(_legend_width(figure, ax) for ax in axes) + _BORDER
     figure.subplots_adjust(left=left / WIDTH, right=1.0 - right / WIDTH)
-    place_labels(axes, left)
+    place_labels(figure, axes, left)
 
 
 def widest_labels(figure: Figure, axes: Sequence[Axes]) -> float:
@@ -68,11 +69,11 @@ def widest_labels(figure: Figure, axes: Sequence[Axes]) -> float:
     return _BORDER + _AXIS_LABEL + widest / figure.dpi + _TICK
 
 
-def place_labels(axes: Sequence[Axes], left: float) -> None:
+def place_labels(figure: Figure, axes: Sequence[Axes], left: float) -> None:
     """Place the y-labels at the outer edge of the width `left` [inch] beside their axes."""
     label = left - _BORDER - _AXIS_LABEL + 3.0 * _POINT
     for ax in axes:
-        width = ax.get_position().width * ax.get_figure().get_figwidth()
+        width = ax.get_position().width * figure.get_figwidth()
         ax.yaxis.set_label_coords(-label / width, 0.5)
 
 
@@ -81,14 +82,16 @@ def _legend_width(figure: Figure, ax: Axes) -> float:
     legend = ax.get_legend()
     if legend is None:
         return 0.0
-    return legend.get_window_extent(_renderer(figure)).width / figure.dpi
+    width: float = legend.get_window_extent(_renderer(figure)).width
+    return width / figure.dpi
 
 
-def _renderer(figure: Figure) -> object:
+def _renderer(figure: Figure) -> RendererBase:
     canvas = figure.canvas
     if not isinstance(canvas, FigureCanvasAgg):
         canvas = FigureCanvasAgg(figure)
-    return canvas.get_renderer()
+    renderer: RendererBase = canvas.get_renderer()  # type: ignore[no-untyped-call]
+    return renderer
 
 
 def legend(ax: Axes) -> None:

@@ -212,8 +212,10 @@ def test_no_text_of_a_stack_of_panels_is_cut_or_covers_another() -> None:
             boxes.append((text.get_text(), text.get_window_extent(canvas.get_renderer())))
     assert {*titles, "[N m]", "1e\N{MINUS SIGN}9"} <= {name for name, _ in boxes}
     for name, box in boxes:
-        assert box.x0 >= 0.0 and box.y0 >= 0.0, name
-        assert box.x1 <= figure.bbox.x1 and box.y1 <= figure.bbox.y1, name
+        assert box.x0 >= 0.0, name
+        assert box.y0 >= 0.0, name
+        assert box.x1 <= figure.bbox.x1, name
+        assert box.y1 <= figure.bbox.y1, name
     for (one, box), (other, beside) in combinations(boxes, 2):
         assert not box.overlaps(beside), (one, other)
 

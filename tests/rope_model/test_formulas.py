@@ -5,8 +5,8 @@ import math
 import random
 from dataclasses import replace
 from enum import Enum
-from itertools import chain
 from functools import cache
+from itertools import chain
 from typing import Any, get_args, get_type_hints
 
 import casadi as ca
