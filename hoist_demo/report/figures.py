@@ -264,10 +264,15 @@ def _curves_at(recording: Recording, ropes: Sequence[RopeData], row: int) -> lis
     return curves
 
 
+#: Two thirds of the time of the default level, for files that are 1 % larger.
+_COMPRESSION = {"compress_level": 4}
+
+
 def save_figure(figure: Figure, path: Path) -> Path:
     """Write the figure; savefig would draw it twice, the first time for the layout alone."""
     with whole_file(path) as draft:
-        FigureCanvasAgg(figure).print_png(draft, metadata={"Software": None})  # type: ignore[no-untyped-call]
+        canvas = FigureCanvasAgg(figure)
+        canvas.print_png(draft, metadata={"Software": None}, pil_kwargs=_COMPRESSION)  # type: ignore[no-untyped-call]
     return path
 
 
