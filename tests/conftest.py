@@ -105,14 +105,9 @@ def unpacked(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], P
 
 
 @pytest.fixture
-def quick_layout(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Figures of linear models whose layout is not optimised: most of their time."""
+def plain_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Figures without ticks, and of linear models without a layout: most of their time."""
     monkeypatch.setattr(import_module("hoist_demo.report.linear_figures"), "LAYOUT", None)
-
-
-@pytest.fixture
-def plain_figures(quick_layout: None, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Figures without ticks, which take most of the time that is left."""
     figures = import_module("hoist_demo.report.figures")
     ticker = import_module("matplotlib.ticker")
 
