@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import gc
 import os
+import subprocess
+import sys
 from collections.abc import Callable, Generator, Iterator
 from functools import cache
 from importlib import import_module
@@ -42,12 +44,27 @@ settings.register_profile(
     "seeded", deadline=None, derandomize=True, max_examples=50
 )  # the same every time
 settings.load_profile("seeded")
+# nor does it draw numbers of the modules that happen to be loaded, which it would read all for it: 5 s in each process
+providers = import_module("hypothesis.internal.conjecture.providers")
+if hasattr(providers, "is_local_module_file"):
+    providers.is_local_module_file = lambda _: False
 
 
 def pytest_collection_modifyitems(config: pytest.Config) -> None:
     """FMUs are compiled quickly in the tests of ``make test``; ``make test-slow`` compiles them as they are shipped."""
     if os.name == "posix" and find_spec("ziglang") and config.option.markexpr == "not slow":
         os.environ["PYTHONPATH"] = os.pathsep.join((str(QUICK), os.environ["PYTHONPATH"]))
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Compiles the engine while several processes collect tests, all of which would wait for it."""
+    config = session.config
+    if getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
+        compiling = subprocess.Popen(
+            [sys.executable, "-c", "from rope_model.codegen.build import library; library()"],
+            stderr=subprocess.DEVNULL,  # tests that need it say what is wrong
+        )
+        config.add_cleanup(compiling.wait)
 
 
 @pytest.hookimpl(wrapper=True)
@@ -88,17 +105,9 @@ def unpacked(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], P
 
 
 @pytest.fixture
-def quick_layout(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Figures whose layout is not optimised, nor the places of their titles: most of their time."""
-    figures = import_module("hoist_demo.report.figures")
-    monkeypatch.setattr(figures, "PANELS_LAYOUT", None)
-    monkeypatch.setitem(figures.STYLE, "figure.constrained_layout.use", False)
-    monkeypatch.setitem(figures.STYLE, "axes.titley", 1.0)
-
-
-@pytest.fixture
-def plain_figures(quick_layout: None, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Figures without ticks, which take most of the time that is left."""
+def plain_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Figures without ticks, and of linear models without a layout: most of their time."""
+    monkeypatch.setattr(import_module("hoist_demo.report.linear_figures"), "LAYOUT", None)
     figures = import_module("hoist_demo.report.figures")
     ticker = import_module("matplotlib.ticker")
 

@@ -157,9 +157,11 @@ def write_csv(recording: Recording, path: Path, names: Sequence[str] = ()) -> No
     with whole_file(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([_header(name, recording.units.get(name, "")) for name in names])
-        columns = [recording[name] for name in names]
-        for row in zip(*columns, strict=True):
-            writer.writerow([_number(value) for value in row])
+        # minus zero is zero, as in _number, which formats one at a time and takes three times as long
+        table = np.column_stack([recording[name] for name in names]) + 0.0
+        line = ",".join([_FORMAT] * len(names)) + "\n"
+        for row in table.tolist():
+            file.write(line % tuple(row))
 
 
 def write_shapes(recording: Recording, rows: Sequence[int], path: Path) -> None:
@@ -194,7 +196,10 @@ def _number(value: float) -> str:
 
     Minus zero is zero, so that the sign of a rounding error does not show.
     """
-    return f"{float(value) + 0.0:.10g}"
+    return _FORMAT % (float(value) + 0.0)
+
+
+_FORMAT = "%.10g"  #: Ten digits.
 
 
 def _header(name: str, unit: str) -> str:

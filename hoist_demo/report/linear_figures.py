@@ -5,7 +5,7 @@ Bode plots are drawn with and without the balance ropes.
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import matplotlib
 import numpy as np
@@ -16,6 +16,7 @@ from hoist_demo.design.linear_model import LinearModel, UndampedModes
 from hoist_demo.design.reduced_model import ALPHA, SLOWEST
 from hoist_demo.report.figures import ACCENTS, REFERENCE, STYLE, save_figure
 
+LAYOUT: Literal["constrained"] | None = "constrained"  #: Layout of the figure.
 _CHANNELS = (
     ("rate", "Torque to sheave speed", "[rad/s per N m]"),
     ("pull_left", "Torque to head-rope pull, left", "[N per N m]"),
@@ -38,7 +39,7 @@ def write_modes_figure(
     `without` is the hoist at a middle height without ropes.
     """
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(10.0, 9.0))
+        figure = Figure(figsize=(10.0, 9.0), layout=LAYOUT)
         axes = figure.subplots(3, 2)
         _frequencies(figure, axes[0, 0], models, modes, band)
         _poles(axes[0, 1], models, modes)

@@ -1,13 +1,19 @@
 """The loop winds to the millimetre, keeps time exactly, stops cleanly and writes the same bytes twice."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
+import matplotlib
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.text import Text
 from numpy.testing import assert_allclose
 from rope_groups import Weight
 
@@ -22,7 +28,8 @@ from hoist_demo.parameters import Arrival, Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake
 from hoist_demo.recording.incidents import stops
 from hoist_demo.recording.time_series import shape_rows, write_csv, write_shapes
-from hoist_demo.report.figures import write_figures
+from hoist_demo.report.figures import STYLE, write_figures
+from hoist_demo.report.panel_layout import lay_out_stack, legend, stacked_panels
 from hoist_demo.report.summary import summarize
 from hoist_demo.report.verdict import judge
 from hoist_demo.run.metrics import measure
@@ -162,8 +169,6 @@ def test_csv_reads_back_to_ten_digits_with_its_units(short: Result, tmp_path: Pa
     )
 
 
-@pytest.mark.usefixtures("quick_layout")
-@pytest.mark.usefixtures("quick_layout")
 def test_the_same_run_writes_the_same_bytes(short: Result, tmp_path: Path) -> None:
     again = _run(FakeRope(shows_shape=True), Winding(travel=2.0, settle=1.0))
     written = []
@@ -184,6 +189,45 @@ def test_the_same_run_writes_the_same_bytes(short: Result, tmp_path: Path) -> No
         "energies.png",
     } <= first.keys()
     assert first == second
+
+
+def test_no_text_of_a_stack_of_panels_is_cut_or_covers_another() -> None:
+    titles = ("Numbers with a factor", "Long numbers", "A curve with a long name")
+    curves = ((0.0, 2e-9), (-1234.5678, -1234.5677), (0.0, 1.0))
+    with matplotlib.rc_context(STYLE):
+        figure, axes = stacked_panels(titles)
+        for ax, values in zip(axes, curves, strict=True):
+            ax.plot((0.0, 1.0), values, label="a curve with a long name, and another one")
+            ax.set_ylabel("[N m]")
+            legend(ax)
+        axes[-1].set_xlabel("time [s]")
+        lay_out_stack(figure, axes)
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+    boxes = []
+    hidden = [label for ax in axes for label in _hidden_labels(ax)]
+    for text in figure.findobj(Text):
+        assert isinstance(text, Text)
+        if text.get_text() and text.get_visible() and text not in hidden:
+            boxes.append((text.get_text(), text.get_window_extent(canvas.get_renderer())))
+    assert {*titles, "[N m]", "1e\N{MINUS SIGN}9"} <= {name for name, _ in boxes}
+    for name, box in boxes:
+        assert box.x0 >= 0.0, name
+        assert box.y0 >= 0.0, name
+        assert box.x1 <= figure.bbox.x1, name
+        assert box.y1 <= figure.bbox.y1, name
+    for (one, box), (other, beside) in combinations(boxes, 2):
+        assert not box.overlaps(beside), (one, other)
+
+
+def _hidden_labels(ax: Axes) -> Iterator[Text]:
+    """Yield the labels of ticks that the axes do not show."""
+    for axis in (ax.xaxis, ax.yaxis):
+        low, high = sorted(axis.get_view_interval())
+        for tick in axis.majorTicks:
+            if not low <= tick.get_loc() <= high:
+                yield tick.label1
+            yield tick.label2
 
 
 def test_a_stop_by_the_brake_is_judged_by_its_way_and_not_by_a_reference_it_does_not_follow() -> (

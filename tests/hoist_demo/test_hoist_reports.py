@@ -30,6 +30,7 @@ from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording import exposure as exposures
 from hoist_demo.recording import fidelity as masks
 from hoist_demo.recording.incidents import SIDES, Stop, stops
+from hoist_demo.recording.spectra import spectra, strongest
 from hoist_demo.recording.time_series import TIME, Recording
 from hoist_demo.report.html import packing
 from hoist_demo.report.rope_record import RopeRecord
@@ -420,7 +421,7 @@ def test_a_vibration_in_a_trip_has_its_frequency_and_amplitude() -> None:
     t = np.arange(0.0, 40.0, 0.01)
     trip = 5000.0 * np.sin(np.pi * t / 40.0) ** 2
     columns = np.column_stack((trip + 7.0 * np.sin(2 * np.pi * 1.85 * t), trip, 0.0 * t))
-    frequency, amplitude = exposures.strongest(exposures.spectra(t, columns))
+    frequency, amplitude = strongest(spectra(t, columns))
     assert_allclose(frequency, [1.85, np.nan, np.nan])  # the line lies on one of the spectrum
     assert_allclose(amplitude, [7.0, 0.0, 0.0], rtol=1e-3)
 

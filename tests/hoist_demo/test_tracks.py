@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,23 @@ from hoist_demo.calibration.fit import CONFIDENCE
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.command_line.main import main
 from hoist_demo.files.reading import FileError, read
+
+
+@pytest.fixture(autouse=True, scope="module")
+def smoothed_once() -> Iterator[None]:
+    """Equal paths of the ends are smoothed once: half of the time of these tests else."""
+    smooth = tracks.make_smoothing_spline
+    splines: dict[tuple[bytes, bytes], Any] = {}
+
+    def kept(t: Array, x: Array) -> Any:
+        key = (t.tobytes(), x.tobytes())
+        if key not in splines:
+            splines[key] = smooth(t, x)
+        return splines[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tracks, "make_smoothing_spline", kept)
+        yield
 
 
 def track_of(path: Path) -> tuple[Any, Markers]:

@@ -5,6 +5,7 @@ import math
 import random
 from dataclasses import replace
 from enum import Enum
+from functools import cache
 from itertools import chain
 from typing import Any, get_args, get_type_hints
 
@@ -93,7 +94,7 @@ def c_structure(kind: type[Any]) -> type[ct.Structure]:
         return STRUCTURES[kind]
     fields = [
         (name, c_structure(hint) if hasattr(hint, "_fields") else c_numbers(shape_of(hint)))
-        for name, hint in get_type_hints(kind).items()
+        for name, hint in hints_of(kind).items()
     ]
     return type(kind.__name__, (ct.Structure,), {"_fields_": fields})
 
@@ -135,9 +136,15 @@ def in_c(value: Any, argument: Argument) -> Any:
     return np.array(value).ctypes.data_as(ct.c_void_p)
 
 
+@cache
+def hints_of(kind: type[Any]) -> dict[str, Any]:
+    """Return the types of the fields of a kind, which take most of the time of a call."""
+    return get_type_hints(kind)
+
+
 def fill(structure: ct.Structure, value: Any, kind: type[Any]) -> ct.Structure:
     """Give the members of a structure in C the values of an object of ``kind``."""
-    hints = get_type_hints(kind)
+    hints = hints_of(kind)
     parts = value._asdict() if hasattr(value, "_asdict") else vars(value)
     for name, part in parts.items():
         if name in ("left", "right") and kind is Scene:
