@@ -6,10 +6,11 @@ import numpy as np
 from tqdm import tqdm
 
 from evidence.mesh_rule import laws, statics, trips
-from evidence.mesh_rule.rule import LONGEST_USED, shares, slip
+from evidence.mesh_rule.rule import shares, slip
 from evidence.mesh_rule.scenes import FIT, draw
 from evidence.rendering import DOCS
 from evidence.tables import read, write
+from rope_model.method.mesh_fit import MAX_LENGTH
 
 DATA = DOCS / "data" / "mesh_rule"
 #: measured on so many ropes of the fitting seed
@@ -36,7 +37,7 @@ def main() -> None:
         )
     print(
         "slip aside over height, elements up to {:.2f} w and longer: {:.2f}, {:.2f}".format(
-            LONGEST_USED, *slip(tables["loop"])
+            MAX_LENGTH, *slip(tables["loop"])
         )
     )
     for asked in (0.05, 5e-3, 1e-3, 2e-4):

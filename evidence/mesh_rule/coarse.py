@@ -15,7 +15,7 @@ from evidence.mesh_rule.scenes import FIT, JUDGE, Sample, draw
 from evidence.ropes import at_rest
 from evidence.tables import Array
 from rope_model import EndMotion, Mesh, Model, Scene
-from rope_model.method.mesh_error import locking_error
+from rope_model.method.mesh_error import bend_error
 from rope_model.physics.estimates import bending_length
 
 #: x tried, places of the nodes within an element, ropes, the longest of them (m) and the shortest
@@ -68,7 +68,7 @@ def measure(scene: Scene, x: float) -> Off:
     found = np.array(off)
     place = np.linalg.norm(found[:, :3], axis=1).max()
     yaw = np.abs(found[:, 3]).max()
-    return Off(fine / w, float(locking_error(scene, fine)), float(place), float(yaw))
+    return Off(fine / w, float(bend_error(scene, fine)), float(place), float(yaw))
 
 
 def rows(seed: int) -> list[list[Off]]:

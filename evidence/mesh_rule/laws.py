@@ -1,15 +1,14 @@
 """The laws behind the lengths of the mesh, fitted to the tables.
 
-With w = (EI / rho g)^(1/3), over which weight and bending balance, x = fine / w and S = EA w^2 / EI:
+With w = (EI / rho g)^(1/3), over which weight and bending balance, and x = fine / w:
 
-    loop      too high by  A w x^2 N / (1 + N),  N = B S x^4
+    loop      too low by   A w x^4
     cover     off by       C w x^p exp(-b (cover / w)^(3/2))
     ends      relative error of the clamp moment  D (end element / layer)^q,  layer = sqrt(EI / T)
     legs      off by       E grading_length L
 
-Loop: a cubic of length l bends without stretching as far as its curvature is even; what is left of curvature times its
-change, k k' l^3, is strain.  Where EA that^2 is much larger than EI k^2, N >> 1, elements do not stretch, each has one
-shape left, its angle, and the chain converges with l^2 (membrane locking); where it is much smaller, with EA / EI l^6.
+Loop: the fourth order of cubics that bend and keep their length.  The axial stiffness has no part in it: elements with
+the strain of their Gauss points would lock (docs/stability.md).
 Cover: near a vertical leg the angle obeys EI psi'' = rho g s psi, Airy's equation, whose solution decays as
 exp(-2/3 (s/w)^(3/2)).  Ends: a beam under tension T bends within sqrt(EI / T) of its clamp.  Legs: elements as long as
 sqrt(grading_length x) have all waves of one frequency lag by the same angle, and what they lag adds up along the leg.
@@ -18,14 +17,15 @@ sqrt(grading_length x) have all waves of one frequency lag by the same angle, an
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from evidence.tables import Array, Table, Tables
 
-#: what the fits use: loop elements below this many w, further down the leg than this, end elements up to this many
-#: layers
-SHORT = 0.6
+#: what the fits use: loop elements below this many w, and above those with errors near rounding; covers above this many
+#: w, and above errors near rounding; end elements up to this many layers
+SHORT = 0.65
+RESOLVABLE = 0.25
 ABOVE = 1.25
+TREMBLES = 1e-7
 RESOLVED = 4.0
 
 
@@ -38,7 +38,7 @@ class Fit(NamedTuple):
 
 
 class Laws(NamedTuple):
-    """All fits: A, B; C, p, b; D, q; E, of smooth trips and of emergency stops."""
+    """All fits: A; C, p, b; D, q; E, of smooth trips and of emergency stops."""
 
     loop: Fit
     cover: Fit
@@ -58,17 +58,10 @@ def fit(tables: Tables) -> Laws:
     )
 
 
-def stiffness(EA: Array, EI: Array, w: Array) -> Array:
-    """S."""
-    return EA * w**2 / EI
-
-
-def loop_error(values: tuple[float, ...], fine: Array, w: Array, S: Array) -> Array:
-    """How much too high the loop hangs, m."""
-    A, B = values
-    x = fine / w
-    locked = B * S * x**4
-    return np.asarray(A * w * x**2 * locked / (1 + locked))
+def loop_error(values: tuple[float, ...], fine: Array, w: Array) -> Array:
+    """How much too low the loop hangs, m."""
+    (A,) = values
+    return np.asarray(A * w * (fine / w) ** 4)
 
 
 def cover_error(values: tuple[float, ...], fine: Array, cover: Array, w: Array) -> Array:
@@ -84,24 +77,15 @@ def moment_error(values: tuple[float, ...], end: Array, layer: Array) -> Array:
 
 
 def _loop(t: Table) -> Fit:
-    w = t["w [m]"]
-    S = stiffness(t["EA [N]"], t["EI [N m2]"], t["w [m]"])
-    used = t["fine [m]"] < SHORT * w
-    measured = np.log(t["too high [m]"][used])
-
-    def residual(logarithms: Array) -> Array:
-        values = tuple(np.exp(logarithms))
-        return np.asarray(
-            np.log(loop_error(values, t["fine [m]"][used], w[used], S[used])) - measured
-        )
-
-    found = least_squares(residual, np.log([0.02, 3e-3]))
-    return _fit(tuple(np.exp(found.x)), residual(found.x))
+    x = t["fine [m]"] / t["w [m]"]
+    used = (x > RESOLVABLE) & (x < SHORT)
+    ratio = np.log(t["too low [m]"][used] / (t["w [m]"][used] * x[used] ** 4))
+    return _fit((float(np.exp(np.median(ratio))),), ratio - np.median(ratio))
 
 
 def _cover(t: Table) -> Fit:
     w = t["w [m]"]
-    used = t["cover [m]"] > ABOVE * w
+    used = (t["cover [m]"] > ABOVE * w) & (t["off [m]"] > TREMBLES * w)
     x, up, off = (t[name][used] / w[used] for name in ("fine [m]", "cover [m]", "off [m]"))
     (a, p, b), left = _linear(
         np.stack([np.ones_like(x), np.log(x), -(up**1.5)], axis=1), np.log(off)

@@ -15,13 +15,13 @@ from rope_model.method.partition import Partition
 from rope_model.solver_parameters import Mesh
 
 #: over (EI / rho g)^(1/3): loop elements tried, those of the reference, and those where something else is tried
-LOOP_LENGTHS = (0.1, 0.14, 0.2, 0.28, 0.4, 0.5, 0.56, 0.62, 0.68, 0.74, 0.8)
+LOOP_LENGTHS = (0.2, 0.28, 0.4, 0.5, 0.56, 0.62, 0.68, 0.74, 0.8, 0.9, 1.0)
 FINEST = 0.05
 FINE = 0.2
 #: half of segment IV, in the same unit: what is tried, and what is enough
 COVERS = (1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.2, 2.4, 2.6)
 AMPLE = 3.5
-COVER_LENGTHS = (0.1, 0.2, 0.3)
+COVER_LENGTHS = (0.2, 0.4, 0.6)
 LEVELS = (0, 1, 2, 3, 4, 5)
 MOST_LEVELS = 7
 #: parts of l by which the loop hangs off the middle of its mesh
@@ -98,7 +98,7 @@ def long_enough(samples: Iterable[Sample]) -> Iterator[Sample]:
 
 
 def loop(samples: Iterable[Sample]) -> Table:
-    """How far the loop hangs too high, on average, and how far aside at most, over the length of its elements."""
+    """How far the loop hangs too low, on average, and how far aside at most, over the length of its elements."""
     rows = []
     for d in long_enough(samples):
         finest = pattern(d, FINEST)
@@ -108,11 +108,11 @@ def loop(samples: Iterable[Sample]) -> Table:
                 (
                     *_rope(d),
                     length * d.w,
-                    float(found[:, 1].mean()),
+                    -float(found[:, 1].mean()),
                     float(np.abs(found[:, 0]).max()),
                 )
             )
-    return table((*ROPE, "fine [m]", "too high [m]", "aside [m]"), rows)
+    return table((*ROPE, "fine [m]", "too low [m]", "aside [m]"), rows)
 
 
 def cover(samples: Iterable[Sample]) -> Table:

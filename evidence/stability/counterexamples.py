@@ -12,23 +12,54 @@ import numpy as np
 from evidence.statics import with_element
 from rope_model.parameters import Scene
 from rope_model.physics import element
-from rope_model.physics.frame import FrameRate, smallest_rotation_rate
+from rope_model.physics.frame import FrameRate
 from rope_model.reference import stepping
 from rope_model.reference.state import State
 
 
 @contextmanager
-def modified_element(
-    frame_rate: FrameRate = smallest_rotation_rate, gauss_points: int = 3
-) -> Iterator[None]:
-    """Give reference ropes inside another frame of the section or another quadrature."""
-    points, weights = np.polynomial.legendre.leggauss(gauss_points)
-    places: dict[str, Any] = {"POINTS": 0.5 + 0.5 * points, "WEIGHTS": 0.5 * weights}
-    places["FRAME_SIZE"] = 6 * gauss_points + 3
-    with patch.multiple(element, **places):
-        functions = element.element_functions.__wrapped__("torsional", frame_rate)
-    if frame_rate is not smallest_rotation_rate:
-        functions = replace(functions, transport=_none(functions.transport))
+def modified_frame(frame_rate: FrameRate) -> Iterator[None]:
+    """Give reference ropes inside another frame of the section."""
+    functions = element.element_functions("torsional", frame_rate)
+    functions = replace(functions, transport=_none(functions.transport))
+    with with_element(functions):
+        yield
+
+
+@contextmanager
+def pointwise_strain(gauss_points: int) -> Iterator[None]:
+    """Give reference ropes inside the axial energy of the strain at each of so many Gauss points.
+
+    Damping keeps the assumed strain.
+    """
+    functions = element.element_functions()
+    q, v, a, q_prestress = (ca.SX.sym(name, 14) for name in ("q", "v", "a", "q_prestress"))
+    l = ca.SX.sym("l")
+    F = ca.SX.sym("F", element.FRAME_SIZE)
+    P = ca.SX.sym("P", len(element.PARAMETERS))
+    c_q, c_v, c_a = (ca.SX.sym(name) for name in ("c_q", "c_v", "c_a"))
+    relative = element.relative_coordinates()
+
+    def mean(count: int, power: int) -> Any:
+        """Return the mean of a power of the strain by ``count`` Gauss points."""
+        total = ca.SX(0)
+        for x, weight in zip(*np.polynomial.legendre.leggauss(count), strict=True):
+            slope = (element.interpolation(0.5 + 0.5 * x, l) @ relative @ q)[:3]
+            total += 0.5 * weight * (ca.norm_2(slope) - 1) ** power
+        return total
+
+    at_nodes = [ca.norm_2(q[place]) - 1 for place in element.SLOPES]
+    assumed = element.AxialStrain.of(mean(3, 1), *at_nodes)
+    parts = zip(assumed, element.LEGENDRE_SQUARES, strict=True)
+    assumed_square = sum((factor * part**2 for part, factor in parts), start=ca.SX(0))
+    Qa = element.parameters_from(P).Qa
+    stiffness, force = ca.hessian(0.5 * l * Qa * (mean(gauss_points, 2) - assumed_square), q)
+    tangent_arguments = [q, v, a, l, F, P, c_q, c_v, c_a, q_prestress]
+    R, J = functions.tangent(*tangent_arguments)
+    functions = functions.replaced(
+        residual=([q, v, a, l, F, P], [functions.residual(q, v, a, l, F, P) + force]),
+        tangent=(tangent_arguments, [R + force, J + c_q * stiffness]),
+    )
     with with_element(functions):
         yield
 

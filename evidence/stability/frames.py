@@ -4,7 +4,7 @@ import math
 
 from evidence.claims import above, below
 from evidence.ropes import at_rest, follow, smooth_step
-from evidence.stability.counterexamples import modified_element, tait_bryan_rate
+from evidence.stability.counterexamples import modified_frame, tait_bryan_rate
 from evidence.stability.entry import Entry, Finding
 from rope_model.boundary.end_paths import EndMotion
 from rope_model.parameters import Rope, Scene
@@ -57,7 +57,7 @@ def yaw(form: Form) -> float:
 def tait_bryan() -> Finding:
     """Yaw of the loop while its ends turn by 180 degrees."""
     ours = yaw("native")
-    with modified_element(frame_rate=tait_bryan_rate):
+    with modified_frame(tait_bryan_rate):
         singular = yaw("reference")
     return Finding(
         # the singularity is at 90 degrees: a wall that the loop, swinging, passes by a tenth at most

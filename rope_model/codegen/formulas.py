@@ -104,6 +104,7 @@ FORMULAS: tuple[Callable[..., Any], ...] = (
     input_misfit.add_misfit_error,
     input_misfit.add_drift_error,
     hermite.node_values,
+    hermite.through_three,
     hermite.missing_load,
     hermite.shape_functions,
     hermite.shape_products,
@@ -295,7 +296,7 @@ _SHARED: tuple[tuple[ModuleType, tuple[str, ...]], ...] = (
     (
         mesh_fit,
         (
-            "FADE_ERROR",
+            "COVER_ERROR",
             "MESH_SHARE",
             "DUE",
         ),

@@ -52,7 +52,7 @@ MIN_STEPS = 3.0
 LARGE_CHANGE = 0.05
 #: elements in half a turn of the sharpest bend, below which the error of the loop's position is
 #: irregular
-MIN_ELEMENTS = 4.0
+MIN_ELEMENTS = 3.0
 
 
 class Audit(NamedTuple):

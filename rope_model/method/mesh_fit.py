@@ -1,11 +1,10 @@
 """Mesh that suits a rope, for mesh.kind = auto.
 
-With w = (EI / rho g)^(1/3), R is half the spacing, or the free loop's radius if that is less.  The
-error of the loop's position at rest limits the length of its elements: it grows with the second
-power of the length while they lock, with the sixth when they are short (method.mesh_error);
-docs/promise.md shows the errors.  Segment IV covers the bend, its decay above, and the distance to
-the next transformation.  The elements next to the clamped ends resolve the bending layer
-sqrt(EI / T).  A rope too short or too stiff for this pattern gets equal elements.  Where a divider
+With w = (EI / rho g)^(1/3), the error of the loop's position at rest limits the length of its
+elements: it grows with the fourth power of the length (method.mesh_error); docs/promise.md shows
+the errors.  Segment IV covers the bend, its decay above, and the distance to the next
+transformation.  The elements next to the clamped ends resolve the bending layer sqrt(EI / T).  A
+rope too short or too stiff for this pattern gets equal elements.  Where a divider
 may press a leg all elements are short enough for the waves of its blow, and shorter still where
 they face it.
 
@@ -15,7 +14,7 @@ they face it.
 import math
 from typing import Annotated, NamedTuple
 
-from rope_model.method.mesh_error import length_for
+from rope_model.method.mesh_error import travelling_length_for
 from rope_model.method.step_control import BRAKED
 from rope_model.method.step_errors import wave_duration
 from rope_model.parameters import Scene
@@ -47,8 +46,10 @@ LEG_GRADING = 7.5e5  #: m, times loop_error / length: lag allowed to short waves
 #: m^2, over the length: short waves of an emergency stop (evidence.mesh_rule.trips)
 LEG_WAVES = 1000.0
 #: times w: at a height y above the loop elements are sqrt(grading_length y) long, and waves of the
-#: loop's own frequency sqrt(g / w) are 2 pi sqrt(w y) long
-LEG_SWAY = 1.0
+#: loop's own frequency sqrt(g / w) are 2 pi sqrt(w y) long; four elements of such a wave, more of
+#: them for errors of the loop below LEG_ERROR, by its fourth root
+LEG_SWAY = 2.0
+LEG_ERROR = 5e-3  #: m
 # after an emergency stop longitudinal waves excite waves of half their frequency in the legs
 # (pumped_grading); tuned on seeded ropes of 60 to 1200 m
 PUMPED_ELEMENTS = 5.0  #: elements of such a wave
@@ -56,48 +57,52 @@ PUMPED_LEG = 0.75  #: length of the leg over that of the rope
 PUMPED_GROWTH = 8.0  #: exponent of a wave's growth below which it needs fewer elements
 PUMPED_ERROR = 5e-3  #: m, error of the loop below which elements are shorter, by its fourth root
 NATURAL_RADIUS = 0.912  #: smallest radius of curvature of the free loop over w: 1 / 1.09661
-LOCKING_SHARE = 0.6  #: fraction of loop_error that the loop's elements may take at rest
-MAX_LENGTH = 0.75  #: longest element of the loop over R: on longer ones it slips aside
-# decay length above the bend over w
-FADE = 1.0  #: for an error of the loop of FADE_ERROR
-FADE_ERROR = 0.05  #: m
-FADE_DECADE = 0.43  #: increase for a tenth of the error
+BEND_SHARE = 0.6  #: fraction of loop_error that the loop's elements may take at rest
+#: longest element of the loop over w: on longer ones it slips aside, and transformations shake it
+MAX_LENGTH = 0.65
+# least arc length (w) of rope with the loop's elements on either side of its lowest point: where
+# longer ones are bent a transformation lets the end forces jump
+COVER = 1.9  #: for an error of the loop of COVER_ERROR
+COVER_ERROR = 0.05  #: m
+COVER_DECADE = 0.45  #: increase for a tenth of the error
 #: distance (rope lengths) of the loop from an end down to which no part of the pattern is cut off:
 #: ends 3/4 L apart
 MIN_END_DISTANCE = 0.12
 END_LENGTH = 2.9  #: length of the end elements over the bending layer there, shorter by the fifth root of the error
 END_ERROR = 0.033  #: error of the loop over R to which END_LENGTH belongs
+#: longest of equal elements over that of the end elements
+EQUAL_ENDS = 2.0
 BLOW = 0.01  #: s, delay of the elements of legs that a divider may press: physics.contact_error
 REACH = 0.5  #: distance of such a leg from the divider over the spacing
 
 
 class FittedLengths(NamedTuple):
-    """Lengths (m) for the mesh: loop's radius, its elements, decay of the bend above, end elements.
+    """Lengths (m) for the mesh: the loop's elements, what they cover on either side of it, end elements.
 
     ``grading``: square of the legs' elements over their distance from the loop.
     """
 
-    radius: float
     fine_length: float
-    fade: float
+    cover: float
     end: float
     grading: float
 
 
 def fit_lengths(scene: Scene, loop_error: Scalar, decades: Scalar) -> FittedLengths:
-    """Return the lengths for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
+    """Return the lengths for a ``loop_error`` (m) that is ``decades`` powers of ten below COVER_ERROR."""
     rope = scene.rope
     w = bending_length(scene)
     radius = minimum(0.5 * scene.layout.spacing, NATURAL_RADIUS * w)
     shorter = (loop_error / (END_ERROR * radius)) ** 0.2
-    fine_length = minimum(length_for(scene, LOCKING_SHARE * loop_error), MAX_LENGTH * radius)
-    fade = w * maximum(FADE + FADE_DECADE * decades, 0.0)
+    fine_length = minimum(travelling_length_for(scene, BEND_SHARE * loop_error), MAX_LENGTH * w)
+    cover = w * maximum(COVER + COVER_DECADE * decades, COVER)
     layer = sqrt(rope.EI / (0.5 * (rope.mass_per_length * scene.layout.gravity) * rope.length))
-    grading = minimum(minimum(LEG_GRADING * loop_error, LEG_WAVES) / rope.length, LEG_SWAY * w)
+    sway = LEG_SWAY * w * sqrt(sqrt(minimum(loop_error / LEG_ERROR, 1.0)))
+    grading = minimum(minimum(LEG_GRADING * loop_error, LEG_WAVES) / rope.length, sway)
     grading = minimum(
         grading, pumped_grading(scene) * sqrt(minimum(loop_error / PUMPED_ERROR, 1.0))
     )
-    return FittedLengths(radius, fine_length, fade, END_LENGTH * layer * shorter, grading)
+    return FittedLengths(fine_length, cover, END_LENGTH * layer * shorter, grading)
 
 
 def pumped_grading(scene: Scene) -> Scalar:
@@ -159,7 +164,7 @@ class FittedMesh(NamedTuple):
 
 
 def fit_elements(scene: Scene, loop_error: Scalar, decades: Scalar) -> FittedMesh:
-    """Return the mesh for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
+    """Return the mesh for a ``loop_error`` (m) that is ``decades`` powers of ten below COVER_ERROR."""
     length = scene.rope.length
     lengths = fit_lengths(scene, loop_error, decades)
     longest = pressed_length(scene)
@@ -171,9 +176,8 @@ def fit_elements(scene: Scene, loop_error: Scalar, decades: Scalar) -> FittedMes
     )
     fine = _fine_count(lengths, coarse)
     short = coarse * (0.5 * _inner_length(fine) - DUE) > MIN_END_DISTANCE * length
-    equal = where(
-        short, maximum(ceil(length / minimum(lengths.fine_length, 0.5 * longest)), 8.0), 0.0
-    )
+    equal_length = minimum(minimum(lengths.fine_length, EQUAL_ENDS * lengths.end), 0.5 * longest)
+    equal = where(short, maximum(ceil(length / equal_length), 8.0), 0.0)
     end_levels = sum(
         (less(lengths.end * 2**k, coarse) for k in range(1, MAX_LEVELS)), less(lengths.end, coarse)
     )
@@ -182,8 +186,8 @@ def fit_elements(scene: Scene, loop_error: Scalar, decades: Scalar) -> FittedMes
 
 
 def _fine_count(lengths: FittedLengths, coarse: Scalar) -> Scalar:
-    """Return the elements of IV: for the bend, its decay above, and the distance to the next transformation."""
-    return RATIO * ceil((math.pi * lengths.radius + 2 * lengths.fade + 2 * DUE * coarse) / coarse)
+    """Return the elements of IV: for what they cover, and the distance to the next transformation."""
+    return RATIO * ceil((2 * lengths.cover + 2 * DUE * coarse) / coarse)
 
 
 def _inner_length(fine: Scalar) -> Scalar:

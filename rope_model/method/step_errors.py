@@ -123,9 +123,11 @@ def end_force_error(rope: Rope, sums: ErrorSums) -> Scalar:
     )
 
 
-def loop_error(scene: Scene, sums: ErrorSums, l: Scalar, grading_length: Scalar) -> Scalar:
+def loop_error(
+    scene: Scene, sums: ErrorSums, l: Scalar, grading_length: Scalar, transformations: Scalar
+) -> Scalar:
     """Return the largest error (m) of the loop's position since the start, by elements, legs and steps."""
-    mesh = mesh_error(scene, l, grading_length)
+    mesh = mesh_error(scene, l, grading_length, transformations)
     steps = STEP_ERROR_TO_LOOP * sums.position
     # the three occur at different instants
     return sqrt(mesh * mesh + steps * steps + sums.flow * sums.flow)

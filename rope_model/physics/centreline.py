@@ -9,6 +9,7 @@ from typing import Annotated, Protocol
 
 from rope_model.parameters import Layout
 from rope_model.physics.elementary import (
+    SMALLEST_DIVISOR,
     Scalar,
     Vector,
     Vector2,
@@ -58,7 +59,8 @@ def sample_s(bottom_s: Scalar, reach: Scalar, fraction: Scalar, loop: Scalar) ->
 def squared_distance(point: Vector3, start: Vector3, along: Vector3) -> Scalar:
     """Return the squared distance (m^2) of ``point`` from the straight piece from ``start`` along ``along``."""
     across = point[0] - start[0], point[1] - start[1], point[2] - start[2]
-    fraction = minimum(maximum(dot(across, along) / dot(along, along), 0.0), 1.0)
+    square = maximum(dot(along, along), SMALLEST_DIVISOR)  # a piece may be a point
+    fraction = minimum(maximum(dot(across, along) / square, 0.0), 1.0)
     x = across[0] - fraction * along[0]
     y = across[1] - fraction * along[1]
     z = across[2] - fraction * along[2]

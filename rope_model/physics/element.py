@@ -8,14 +8,20 @@ Per node: position r (3), its derivative r' (3) with respect to reference arc le
     tau   = theta' + mean of frame(r', r'')    torsional strain
     w     = theta_t + frame(r', r'_t)          spin about the tangent
 
-    U = int Costello energy(e, tau) + 1/2 EI |k|^2 dx
+    U = int Costello energy(e, tau) + 1/2 EI |k|^2 dx         e in the element: see below
     K = int 1/2 rho |r_t|^2 + 1/2 rhoJ w^2 + 1/2 rhoJ_x l^2 theta_t'^2 dx
     V = int rho g r_Y dx
     D = int beta_K U(e_t, sqrt(a) tau_t, sqrt(b) k_t) dx, without Qe                (dissipates 2 D)
 
 The rate of k is the one seen by an observer who turns with the cross-section, so that rigid motion
 dissipates nothing.  Lagrange's equation gives the residual; everything else is a derivative of it.
-Three Gauss points: two leave an hourglass mode in the axial strain.
+Three Gauss points.
+
+The axial strain in U and D is assumed, because a bent cubic cannot keep its length at each of its
+points: energy by Gauss points locks in bending.  It is the parabola that has the mean of |r'| - 1
+over the Gauss points, and its values at both nodes (AxialStrain).  These are one condition for a
+node and one for an element; an inextensible curve that interpolates between nodes has as many to
+fulfil.  On a straight element the parabola is |r'| - 1 itself, so no motion goes without energy.
 
 A torsional wave of wave number k would run too fast by (k l)^2 / 24, because theta is linear.
 Coupling adds as much and more, because e is continuous and cannot follow a tau that is not.  In
@@ -135,9 +141,13 @@ POINTS = tuple((0.5 + 0.5 * _GAUSS_POINTS).tolist())
 WEIGHTS = tuple((0.5 * _GAUSS_WEIGHTS).tolist())
 
 
-#: entries of an element's q: angles of both nodes, and r' at the right one
+#: entries of an element's q: angles of both nodes, and r' there
 THETAS = [6, NODE_DOF + 6]
-RIGHT_SLOPE = slice(NODE_DOF + 3, NODE_DOF + 6)
+SLOPES = slice(3, 6), slice(NODE_DOF + 3, NODE_DOF + 6)
+RIGHT_SLOPE = SLOPES[1]
+#: the same of its relative coordinates
+RELATIVE_THETAS = slice(9, 11)
+RELATIVE_SLOPES = slice(3, 6), slice(6, 9)
 
 
 @dataclass(frozen=True)
@@ -185,14 +195,20 @@ def element_functions(
     x = _arguments(fidelity)
     point = _point_functions(frame_rate, x.torsional)
     points = _points(x)
-    means = _means(x, points, point["means"])
+    strain = _strains(x, points, point["strains"])
     mass = _translational_mass(x.l, x.P)
-    balance = _balance(x, points, means, point["balance"], mass)
-    R, J = _forces(x, points, means, point["tangent"], mass)
-    strains = ca.vertcat(means.e, means.tau, ca.sqrt(means.k_square), means.e_t, means.tau_t)
+    balance = _balance(x, points, strain, point["balance"], mass)
+    R, J = _forces(x, points, strain, point["tangent"], mass)
+    strains = ca.vertcat(
+        strain.axial.mean,
+        strain.tau,
+        ca.sqrt(strain.k_square),
+        strain.axial_t.mean,
+        strain.tau_t,
+    )
     momentum = _momentum(x.q, x.v, mass, x.l, x.P)
     reference = _frame_reference(x, points)
-    transport = _transport(x, means, frame_rate)
+    transport = _transport(x, strain, frame_rate)
 
     def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
         return ca.Function(f"element_{name}", inputs, ca.cse(outputs))
@@ -232,6 +248,27 @@ class _Arguments(NamedTuple):
     c_a: ca.SX
 
 
+class AxialStrain(NamedTuple):
+    """Assumed axial strain mean + linear P1 + quadratic P2, with Legendre's polynomials P1 and P2 of the element.
+
+    It has the mean of the Gauss points and the values at both nodes.  Rates, gradients and
+    work-conjugate forces have the same three parts.
+    """
+
+    mean: Any
+    linear: Any
+    quadratic: Any
+
+    @classmethod
+    def of(cls, mean: Any, left: Any, right: Any) -> "AxialStrain":
+        """Return the strain with this mean and these values at the nodes."""
+        return cls(mean, 0.5 * (right - left), 0.5 * (left + right) - mean)
+
+
+#: means of the squares of Legendre's polynomials
+LEGENDRE_SQUARES = AxialStrain(1.0, 1 / 3, 1 / 5)
+
+
 class _Point(NamedTuple):
     """Gauss point of an element: weight, interpolation, z = (r', r'', theta) with its rates, and frame's reference."""
 
@@ -243,18 +280,23 @@ class _Point(NamedTuple):
     F: ca.SX
 
 
-class _Means(NamedTuple):
-    """Strains that an element has as means, with their rates, and the torque that follows."""
+class _Strains(NamedTuple):
+    """Strains of an element but for its curvature, with their rates."""
 
-    e: ca.SX
-    turning: ca.SX  # of the frame, per length
-    k_square: ca.SX
-    e_t: ca.SX
+    axial: AxialStrain
+    axial_t: AxialStrain
     tau: ca.SX
     tau_t: ca.SX
+    turning: ca.SX  # of the frame, per length
     theta_x: ca.SX  # (2,), derivative of theta' with respect to the angles of both nodes
-    torque: ca.SX
-    elastic: ca.SX  # torque without damping
+    k_square: ca.SX  # mean
+
+
+class _Stresses(NamedTuple):
+    """Forces per length that do work on the rates of AxialStrain and of tau."""
+
+    axial: AxialStrain  # N
+    torque: Any  # N m
 
 
 def _arguments(fidelity: ElementFidelity) -> _Arguments:
@@ -294,87 +336,201 @@ def _points(x: _Arguments) -> list[_Point]:
     return [_Point(*point) for point in zip(WEIGHTS, B, z, z_t, z_tt, frames, strict=True)]
 
 
-def _means(x: _Arguments, points: list[_Point], of_point: ca.Function) -> _Means:
-    """Return the means over the element: axial and torsional strain, their rates, the torque that follows."""
+def _strains(x: _Arguments, points: list[_Point], of_point: ca.Function) -> _Strains:
+    """Return the strains of the element, with their rates."""
     means = sum(
         (point.weight * of_point(point.z, point.z_t, point.F) for point in points),
         start=ca.SX.zeros(5),
     )
+    e, turning, k_square, e_t, turning_t = ca.vertsplit(means)
+    slopes = [x.q[place] for place in SLOPES]
+    rates = [x.v[place] for place in SLOPES]
+    at_nodes = [ca.norm_2(slope) - 1 for slope in slopes]
+    at_nodes_t = [ca.dot(_unit(slope), rate) for slope, rate in zip(slopes, rates, strict=True)]
     theta_x = ca.vertcat(-1 / x.l, 1 / x.l) if x.torsional else ca.SX.zeros(2)
-    tau = means[1] + ca.dot(theta_x, x.q[THETAS])
-    tau_t = means[4] + ca.dot(theta_x, x.v[THETAS])
-    torque, elastic = _torque(x.P, ca.vertcat(means[0], tau), ca.vertcat(means[3], tau_t))
-    return _Means(
-        e=means[0],
-        turning=means[1],
-        k_square=means[2],
-        e_t=means[3],
-        tau=tau,
-        tau_t=tau_t,
+    return _Strains(
+        axial=AxialStrain.of(e, *at_nodes),
+        axial_t=AxialStrain.of(e_t, *at_nodes_t),
+        tau=turning + ca.dot(theta_x, x.q[THETAS]),
+        tau_t=turning_t + ca.dot(theta_x, x.v[THETAS]),
+        turning=turning,
         theta_x=theta_x,
-        torque=torque,
-        elastic=elastic,
+        k_square=k_square,
+    )
+
+
+def _strain_energy(p: ElementParameters, axial: AxialStrain, tau: ca.SX) -> Any:
+    """Return the mean energy (J/m) of the conservative part of the Costello law without Qe."""
+    varying = _mean_square(axial) - axial.mean**2
+    return costello.strain_energy(p.Qa, p.Qs, p.Qd, axial.mean, tau) + 0.5 * p.Qa * varying
+
+
+def _elastic_stresses(p: ElementParameters, strains: _Strains) -> _Stresses:
+    """Return the stresses without damping."""
+    e = strains.axial
+    tension = costello.tension(p.Qa, p.Qs, p.Qk, p.Qe, e.mean, strains.tau)
+    torque = costello.torque(p.Qs, p.Qk, p.Qd, p.Qe, e.mean, strains.tau)
+    return _Stresses(_axial_forces(p, tension, e), torque)
+
+
+def _damped(p: ElementParameters, elastic: _Stresses, strains: _Strains) -> _Stresses:
+    """Return the stresses with damping."""
+    e_t = strains.axial_t
+    tau_t = p.root_a * strains.tau_t
+    tension = costello.tension(p.Qa, p.Qs, 0, 0, e_t.mean, tau_t)
+    torque = p.root_a * costello.torque(p.Qs, 0, p.Qd, 0, e_t.mean, tau_t)
+    viscous = _axial_forces(p, tension, e_t)
+    return _Stresses(
+        AxialStrain(*(N + p.beta_K * D for N, D in zip(elastic.axial, viscous, strict=True))),
+        elastic.torque + p.beta_K * torque,
+    )
+
+
+def _axial_forces(p: ElementParameters, tension: Any, e: AxialStrain) -> AxialStrain:
+    """Return the forces on an axial strain ``e`` from that on its mean."""
+    return AxialStrain(
+        tension,
+        LEGENDRE_SQUARES.linear * p.Qa * e.linear,
+        LEGENDRE_SQUARES.quadratic * p.Qa * e.quadratic,
     )
 
 
 def _balance(
-    x: _Arguments, points: list[_Point], means: _Means, of_point: ca.Function, mass: ca.SX
+    x: _Arguments, points: list[_Point], strains: _Strains, of_point: ca.Function, mass: ca.SX
 ) -> ca.SX:
     """Return BALANCE (9,)."""
+    p = parameters_from(x.P)
+    e = strains.axial.mean
+    tau = strains.tau
     balance = ca.SX.zeros(len(BALANCE))
-    balance[BALANCE.index("kinetic")] = 0.5 * ca.dot(x.v, mass @ x.v)
-    balance[BALANCE.index("gravity")] = -ca.dot(_weight(x.l, x.P), x.q)
+
+    def add(name: str, value: Any) -> None:
+        balance[BALANCE.index(name)] += value
+
+    add("axial", x.l * 0.5 * p.Qa * _mean_square(strains.axial))
+    add("coupling", x.l * p.Qs * e * tau)
+    add("torsion", x.l * (0.5 * p.Qd * tau**2 + costello.stiffening_energy(p.Qe, e, tau)))
+    add("kinetic", 0.5 * ca.dot(x.v, mass @ x.v))
+    add("gravity", -ca.dot(_weight(x.l, x.P), x.q))
+    damping = p.beta_K * _strain_energy(p, strains.axial_t, p.root_a * strains.tau_t)
+    add("damping_power", 2 * x.l * damping)
+    add(
+        "nonconservative_power",
+        x.l * costello.nonconservative_power(p.Qk, e, tau, strains.axial_t.mean, strains.tau_t),
+    )
     for point in points:
-        terms = of_point(point.z, point.z_t, point.F, means.tau, means.tau_t, x.P)
-        balance += point.weight * x.l * terms
+        bending, spin, damping = ca.vertsplit(of_point(point.z, point.z_t, point.F, x.P))
+        weight = point.weight * x.l
+        add("bending", weight * bending)
+        add("spin", weight * spin)
+        add("damping_power", weight * damping)
     if x.torsional:
-        slope_rate = ca.dot(means.theta_x, x.v[THETAS])
-        balance[BALANCE.index("spin")] += 0.5 * _slope_inertia(x) * slope_rate**2
+        slope_rate = ca.dot(strains.theta_x, x.v[THETAS])
+        add("spin", 0.5 * _slope_inertia(x) * slope_rate**2)
     return balance
 
 
 def _forces(
-    x: _Arguments, points: list[_Point], means: _Means, of_point: ca.Function, mass: ca.SX
+    x: _Arguments, points: list[_Point], strains: _Strains, of_point: ca.Function, mass: ca.SX
 ) -> tuple[ca.SX, ca.SX]:
     """Return the residual R (2 m,) and its tangent J (2 m, 2 m)."""
     relative = relative_coordinates()
     l = x.l
-    theta_x = means.theta_x
+    theta_x = strains.theta_x
+    p = parameters_from(x.P)
+    elastic = _elastic_stresses(p, strains)
+    stresses = _damped(p, elastic, strains)
+    prestress = _of_prestress(x, points, strains, elastic)
     R_r = ca.SX.zeros(11)
     J_r = ca.SX.zeros(11, 11)
     e_z = ca.SX.zeros(11)
     tau_z = ca.SX.zeros(11)
-    tau_z[9:] = theta_x
-    shared = (means.tau, means.tau_t, means.torque, means.elastic, x.P, x.c_q, x.c_v, x.c_a)
+    tau_z[RELATIVE_THETAS] = theta_x
+    at_points = (
+        _at_points(stresses.axial),
+        stresses.torque,
+        _at_points(prestress),
+        elastic.torque,
+        x.P,
+        x.c_q,
+        x.c_v,
+        x.c_a,
+    )
     for w, B, z, z_t, z_tt, F in points:
-        shift = ca.norm_2((B @ relative @ x.q_prestress)[:3]) - ca.norm_2(z[:3])
-        R_p, J_p, strains_z = of_point(z, z_t, z_tt, F, *shared, shift)
+        R_p, J_p, strains_z = of_point(z, z_t, z_tt, F, *at_points)
         R_r += B.T @ (w * l * R_p)
         J_r += B.T @ (w * l * J_p) @ B
         e_z += w * B.T @ strains_z[0, :].T
         tau_z += w * B.T @ strains_z[1, :].T
-    R_r[9:] += means.torque * l * theta_x
+    R_r[RELATIVE_THETAS] += stresses.torque * l * theta_x
+    tangents = [ca.SX.zeros(11), ca.SX.zeros(11)]  # derivatives of the strains at both nodes
+    forces = zip(_at_nodes(stresses.axial), _at_nodes(prestress), strict=True)
+    for side, (tension, held) in enumerate(forces):
+        place = RELATIVE_SLOPES[side]
+        slope = x.q[SLOPES[side]]
+        t = _unit(slope)
+        tangents[side][place] = t
+        R_r[place] += l * tension * t
+        across = (ca.SX.eye(3) - t @ t.T) / ca.norm_2(slope)
+        J_r[place, place] += x.c_q * l * held * across
     if x.torsional:
         slope_inertia = _slope_inertia(x)
-        R_r[9:] += slope_inertia * ca.dot(theta_x, x.a[THETAS]) * theta_x
-        J_r[9:, 9:] += x.c_a * slope_inertia * (theta_x @ theta_x.T)
-    J_r += _tangent_through_means(x, means, e_z, tau_z)
+        R_r[RELATIVE_THETAS] += slope_inertia * ca.dot(theta_x, x.a[THETAS]) * theta_x
+        J_r[RELATIVE_THETAS, RELATIVE_THETAS] += x.c_a * slope_inertia * (theta_x @ theta_x.T)
+    J_r += _tangent_through_strains(x, strains, AxialStrain.of(e_z, *tangents), tau_z)
     R = mass @ x.a - _weight(l, x.P) + relative.T @ R_r
     J = symmetric(x.c_a * mass + relative.T @ symmetric(J_r) @ relative)
     return R[x.dofs], J[x.dofs, x.dofs]
 
 
-def _tangent_through_means(x: _Arguments, means: _Means, e_z: ca.SX, tau_z: ca.SX) -> ca.SX:
-    """Return the tangent (11, 11) of the torque through the means, whose gradients are ``e_z`` and ``tau_z``."""
+def _tangent_through_strains(
+    x: _Arguments, strains: _Strains, axial_z: AxialStrain, tau_z: ca.SX
+) -> ca.SX:
+    """Return the tangent (11, 11) through the strains, whose gradients are ``axial_z`` and ``tau_z``."""
     p = parameters_from(x.P)
     damped = x.c_v * p.beta_K
     root = p.root_a
     growth = x.c_q * p.Qe
-    coupling = (x.c_q + damped * root) * p.Qs + growth * means.tau
-    torsion = (x.c_q + damped * root * root) * p.Qd + growth * means.e
-    shared = coupling * e_z + 0.5 * torsion * tau_z
-    tangent: ca.SX = x.l * (shared @ tau_z.T + tau_z @ shared.T)
-    return tangent
+    axial = (x.c_q + damped) * p.Qa
+    coupling = (x.c_q + damped * root) * p.Qs + growth * strains.tau
+    torsion = (x.c_q + damped * root * root) * p.Qd + growth * strains.axial.mean
+    shared = coupling * axial_z.mean + 0.5 * torsion * tau_z
+    tangent = shared @ tau_z.T + tau_z @ shared.T
+    for gradient, factor in zip(axial_z, LEGENDRE_SQUARES, strict=True):
+        tangent += (factor * axial * gradient) @ gradient.T
+    stretched: ca.SX = x.l * tangent
+    return stretched
+
+
+def _of_prestress(
+    x: _Arguments, points: list[_Point], strains: _Strains, elastic: _Stresses
+) -> AxialStrain:
+    """Return the axial forces without damping with the axial strain of q_prestress in the place of that of q."""
+    relative = relative_coordinates()
+    Qa = parameters_from(x.P).Qa
+    mean = sum(
+        (p.weight * ca.norm_2((p.B @ relative @ x.q_prestress)[:3]) for p in points),
+        start=ca.SX(0),
+    )
+    at_nodes = [ca.norm_2(x.q_prestress[place]) - 1 for place in SLOPES]
+    before = AxialStrain.of(mean - 1, *at_nodes)
+    changes = zip(elastic.axial, LEGENDRE_SQUARES, before, strains.axial, strict=True)
+    return AxialStrain(*(N + Qa * factor * (e_p - e) for N, factor, e_p, e in changes))
+
+
+def _mean_square(e: AxialStrain) -> Any:
+    """Return the mean of the square of an axial strain over the element."""
+    return sum(factor * part**2 for part, factor in zip(e, LEGENDRE_SQUARES, strict=True))
+
+
+def _at_points(N: AxialStrain) -> Any:
+    """Return the force on the strain at each Gauss point, over its weight, of forces ``N`` on an AxialStrain."""
+    return N.mean - N.quadratic
+
+
+def _at_nodes(N: AxialStrain) -> tuple[Any, Any]:
+    """Return the forces on the strains at both nodes of forces ``N`` on an AxialStrain."""
+    return 0.5 * (N.quadratic - N.linear), 0.5 * (N.quadratic + N.linear)
 
 
 def _slope_inertia(x: _Arguments) -> ca.SX:
@@ -391,20 +547,22 @@ def _frame_reference(x: _Arguments, points: list[_Point]) -> ca.SX:
     return ca.vertcat(*(_frame(point.z) for point in points), slope / ca.norm_2(slope))
 
 
-def _transport(x: _Arguments, means: _Means, frame_rate: FrameRate) -> ca.SX:
+def _transport(x: _Arguments, strains: _Strains, frame_rate: FrameRate) -> ca.SX:
     """Return the increase of the angles (3,) when q becomes the reference."""
     if not x.torsional:
         return ca.SX.zeros(3)
     motion = (y[RIGHT_SLOPE] for y in (x.q, x.v, x.a))
-    return ca.vertcat(x.l * means.turning, *_spin(frame_rate, x.F[-3:], *motion))
+    return ca.vertcat(x.l * strains.turning, *_spin(frame_rate, x.F[-3:], *motion))
 
 
 def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Function]:
     """Build the functions of the continuum at one point z = (r', r'', theta) with work-conjugate forces (7,).
 
-    means:   (z, z_t, F) -> e, turning of the frame, |k|^2, rates of the first two: terms of the element's means
-    tangent: forces, their derivatives without the part through tau, and the gradients of e and of the frame's turning;
-             ``shift`` is added to the strain e in the tension of the derivative
+    strains: (z, z_t, F) -> e, turning of the frame, |k|^2, rates of the first two: terms of the element's means
+    tangent: forces, their derivatives without the part through the element's strains, and the gradients of e and of
+             the frame's turning; ``tension`` and ``torque`` are the forces on e and tau, ``bent_tension`` and
+             ``bent_torque`` those of the derivatives
+    balance: (z, z_t, F, P) -> energies of bending and spin, power of damping of the bending
     """
     z = ca.SX.sym("z", 7)
     z_t = ca.SX.sym("z_t", 7)
@@ -414,74 +572,63 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     c_q = ca.SX.sym("c_q")
     c_v = ca.SX.sym("c_v")
     c_a = ca.SX.sym("c_a")
-    tau, tau_t, torque, elastic, shift = (
-        ca.SX.sym(name) for name in ("tau", "tau_t", "torque", "elastic", "shift")
+    tension, torque, bent_tension, bent_torque = (
+        ca.SX.sym(name) for name in ("tension", "torque", "bent_tension", "bent_torque")
     )
     p = parameters_from(P)
 
     # strains, and the spin of the section
     d = z[0:3]
     c = z[3:6]
+    e = ca.norm_2(d) - 1
     turning = frame_rate(F[:3], F[3:], d, c) if torsional else ca.SX(0)
-    strain = ca.vertcat(ca.norm_2(d) - 1, turning, ca.cross(d, c) / ca.dot(d, d))
+    k = ca.cross(d, c) / ca.dot(d, d)
+    strains = ca.vertcat(e, turning)
     if torsional:
         w = z_t[6] + frame_rate(F[:3], ca.SX.zeros(3), d, z_t[0:3])
     else:
         w = ca.SX(0)
 
     # strain rates; that of the curvature as seen from the section
+    strains_t = ca.jtimes(strains, z, z_t)
     spin = ca.cross(d, z_t[0:3]) / ca.dot(d, d) + w * d / ca.norm_2(d)
-    rate = ca.jtimes(strain, z, z_t) - ca.vertcat(0, 0, ca.cross(spin, strain[2:]))
+    k_t = ca.jtimes(k, z, z_t) - ca.cross(spin, k)
 
-    # energies, and the stresses that are work-conjugate to the strains; the torque is the element's
-    e = ca.SX.sym("e", 5)
-    e_t = ca.SX.sym("e_t", 5)
-    U, D, P_n = _energies(P, e, e_t)
+    # Lagrange's equation: internal forces (the spin does no work on EI k), inertia of the spin
     K = 0.5 * p.rhoJ * w * w
-    stress = ca.gradient(U, e) + ca.gradient(D + P_n, e_t)
-    stress[1] = torque
-
-    # Lagrange's equation: internal forces B^T stress (the spin does no work on EI k), inertia of
-    # the spin
-    B = ca.jacobian(rate, z_t)
     momentum = ca.gradient(K, z_t)
     inertia = ca.jtimes(momentum, z_t, z_tt) + ca.jtimes(momentum, z, z_t) - ca.gradient(K, z)
-    values = ca.vertcat(e, e_t), ca.vertcat(strain[0], tau, strain[2:], rate[0], tau_t, rate[2:])
-    force = B.T @ ca.substitute(stress, *values) + inertia
+    bending_damping = p.beta_K * p.EI * p.root_b**2
+    strains_z = ca.jacobian(strains, z)
+    k_z = ca.jacobian(k_t, z_t)
+    force = strains_z.T @ ca.vertcat(tension, torque) + inertia
+    force += k_z.T @ (p.EI * k + bending_damping * k_t)
 
     # its derivative along (c_q, c_v, c_a), exact at rest; how motion changes damping and spin inertia
     # is left out
-    damping = ca.substitute(ca.jacobian(stress, e_t), *values)
-    damping[:, 1] = 0
-    # potential of the torque, and of the tension without energy, as they bend
-    work = (p.Qk * tau + p.Qa * shift) * strain[0] + elastic * turning
-    stiffness = ca.hessian(ca.substitute(U, *values) + work, z)[0]
-    J = symmetric(c_q * stiffness + c_v * (B.T @ damping @ B) + c_a * ca.jacobian(momentum, z_t))
+    U = 0.5 * p.EI * ca.dot(k, k)
+    stiffness = ca.hessian(U + bent_tension * e + bent_torque * turning, z)[0]
+    damping = bending_damping * (k_z.T @ k_z)
+    J = symmetric(c_q * stiffness + c_v * damping + c_a * ca.jacobian(momentum, z_t))
 
-    k = strain[2:]
-    balance = ca.vertcat(
-        0.5 * p.Qa * strain[0] ** 2,
-        p.Qs * strain[0] * tau,
-        0.5 * p.Qd * tau**2 + costello.stiffening_energy(p.Qe, strain[0], tau),
-        0.5 * p.EI * ca.dot(k, k),
-        0,
-        K,
-        0,
-        ca.substitute(2 * D, *values),
-        ca.substitute(P_n, *values),
-    )
+    balance = ca.vertcat(U, K, bending_damping * ca.dot(k_t, k_t))
 
     def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
         return ca.Function(f"point_{name}", inputs, ca.cse(outputs))
 
-    shared = [tau, tau_t, torque, elastic, P, c_q, c_v, c_a]
+    forces = [tension, torque, bent_tension, bent_torque]
     return {
-        "means": function("means", [z, z_t, F], [ca.vertcat(strain[:2], ca.dot(k, k), rate[:2])]),
+        "strains": function("strains", [z, z_t, F], [ca.vertcat(strains, ca.dot(k, k), strains_t)]),
         "tangent": function(
-            "tangent", [z, z_t, z_tt, F, *shared, shift], [force, J, ca.jacobian(strain[:2], z)]
+            "tangent", [z, z_t, z_tt, F, *forces, P, c_q, c_v, c_a], [force, J, strains_z]
         ),
-        "balance": function("balance", [z, z_t, F, tau, tau_t, P], [balance]),
+        "balance": function("balance", [z, z_t, F, P], [balance]),
     }
+
+
+def _unit(d: ca.SX) -> ca.SX:
+    """Return the unit vector along ``d``."""
+    return d / ca.norm_2(d)
 
 
 def _frame(z: ca.SX) -> ca.SX:
@@ -502,38 +649,6 @@ def _spin(
 def symmetric(A: ca.SX) -> ca.SX:
     """Return a symmetric matrix from its upper half: the lower half need not be computed."""
     return ca.triu2symm(ca.triu(A))
-
-
-def _energies(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[Any, Any, Any]:
-    """Return U, D and the non-conservative power per reference length, from the strains (e, tau, k) and their rates."""
-    p = parameters_from(P)
-
-    def quadratic(x: ca.SX) -> Scalar:
-        return costello.strain_energy(p.Qa, p.Qs, p.Qd, x[0], x[1]) + 0.5 * p.EI * ca.dot(
-            x[2:], x[2:]
-        )
-
-    power = costello.nonconservative_power(p.Qk, strain[0], strain[1], rate[0], rate[1])
-    U = quadratic(strain) + costello.stiffening_energy(p.Qe, strain[0], strain[1])
-    return (
-        U,
-        p.beta_K * quadratic(ca.vertcat(rate[0], p.root_a * rate[1], p.root_b * rate[2:])),
-        power,
-    )
-
-
-def _torque(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Return the moment conjugate to tau, with and without damping, from the means of e and tau and of their rates."""
-    e = ca.SX.sym("e", 5)
-    e_t = ca.SX.sym("e_t", 5)
-    U, D, P_n = _energies(P, e, e_t)
-    elastic = ca.gradient(U, e)[1] + ca.gradient(P_n, e_t)[1]
-    no_bending = ca.SX.zeros(3)
-    values = ca.vertcat(e, e_t), ca.vertcat(strain, no_bending, rate, no_bending)
-    torque, elastic = (
-        ca.substitute(x, *values) for x in (elastic + ca.gradient(D, e_t)[1], elastic)
-    )
-    return torque, elastic
 
 
 def relative_coordinates() -> ca.DM:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import numpy as np
 
-from rope_model.physics.elementary import Scalar
+from rope_model.physics.elementary import Scalar, Vector
 from rope_model.physics.node import ElementRows
 
 #: Gauss points in [0, 1] and weights; exact for the product of two cubics
@@ -32,6 +32,34 @@ def interpolate(
         r1 + xi * xi * (3 - 2 * xi) * (r2 - r1) + xi * (rest * rest) * d1 + xi * xi * (xi - 1) * d2,
         (6 * xi * rest * (r2 - r1) + rest * (1 - 3 * xi) * d1 + xi * (3 * xi - 2) * d2) / l,
     )
+
+
+def through_three(
+    s: Scalar, second: Scalar, third: Scalar, values: Annotated[Vector, 6]
+) -> tuple[Scalar, Scalar]:
+    """Return value and derivative at ``s`` (m) from a node of the quintic through it and the two nodes behind it.
+
+    Those are ``second`` and ``third`` (m) from it; ``values`` are r and s at each of the three.  Newton's form with
+    divided differences.
+    """
+    places = 0.0, 0.0, second, second, third, third
+    table = [values[2 * (k // 2)] for k in range(6)]
+    coefficients = [table[0]]
+    for order in range(1, 6):
+        differences = []
+        for k in range(6 - order):
+            if order == 1 and k % 2 == 0:
+                differences.append(values[k + 1])
+            else:
+                differences.append((table[k + 1] - table[k]) / (places[k + order] - places[k]))
+        table = differences
+        coefficients.append(table[0])
+    value = coefficients[5]
+    slope: Scalar = 0.0
+    for place, coefficient in zip(places[4::-1], coefficients[4::-1], strict=True):
+        slope = slope * (s - place) + value
+        value = value * (s - place) + coefficient
+    return value, slope
 
 
 def bend(xi: Scalar, l: Scalar, r1: Scalar, s1: Scalar, r2: Scalar, s2: Scalar) -> Scalar:

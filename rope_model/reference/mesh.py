@@ -22,7 +22,7 @@ import numpy as np
 
 from rope_model.arrays import Array
 from rope_model.messages import messages
-from rope_model.method.mesh_fit import FADE_ERROR, MESH_SHARE, fit_elements
+from rope_model.method.mesh_fit import COVER_ERROR, MESH_SHARE, fit_elements
 from rope_model.method.mesh_pattern import (
     DUE_EARLY,
     GRADING,
@@ -64,12 +64,12 @@ class RopeMesh:
 
 
 def fitted(scene: Scene) -> Mesh:
-    """Return the mesh that the scene asks for; 'auto' is fitted to the rope (eq-locking)."""
+    """Return the mesh that the scene asks for; 'auto' is fitted to the rope (eq-bend)."""
     given = scene.mesh
     if given.kind != "auto":
         return given
     loop_error = given.loop_error or MESH_SHARE * scene.accuracy.loop
-    lengths = fit_elements(scene, loop_error, math.log10(FADE_ERROR / loop_error))
+    lengths = fit_elements(scene, loop_error, math.log10(COVER_ERROR / loop_error))
     if lengths.equal:
         return Mesh(kind="eem", elements=int(lengths.equal))
     return Mesh(

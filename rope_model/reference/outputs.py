@@ -2,7 +2,7 @@
 
 The conveyance carries the opposite of the rope's reactions: the force -R, and the moment of the
 reaction to r' together with the torque M of the swivel (``physics.frame``).  The loop's lowest
-point is that of its cubic, where r'_Y = 0.
+point is that of a quintic through three nodes.
 """
 
 import math
@@ -10,18 +10,20 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import KroghInterpolator
+from scipy.optimize import minimize_scalar
 
 from rope_model.arrays import Array
+from rope_model.method import sampling
 from rope_model.method.swivel_phases import Phase
 from rope_model.parameters import Scene
 from rope_model.physics.centreline import nearest_turn, sample_s
 from rope_model.physics.element import STRAINS
 from rope_model.physics.estimates import loop_width
 from rope_model.physics.frame import conveyance_load
-from rope_model.physics.hermite import interpolate
 from rope_model.physics.node import END_NODE, POSITION, SIDES, SLOPE
 from rope_model.physics.stress import material_values
-from rope_model.reference.equations import HEIGHT, STRETCH
+from rope_model.reference.equations import HEIGHT
 from rope_model.reference.state import State
 from rope_model.reference.transfer import elements_at, interpolated
 from rope_model.signals.signal_table import SHAPE_POINTS, SIGNALS
@@ -56,46 +58,25 @@ class LowestPoint:
 
 
 def lowest_point(q: Array, s: Array) -> LowestPoint:
-    """Return the lowest point of the rope ``q`` (nodes, 7) with nodes at arc lengths ``s`` (m)."""
-    node = int(np.clip(np.argmin(q[:, HEIGHT]), 1, s.size - 2))
-    candidates = [s[node - 1], s[node], s[node + 1]]
-    for left in (node - 1, node):
-        l = s[left + 1] - s[left]
-        one = q[left]
-        other = q[left + 1]
-        xi = _lowest_in(l, one[HEIGHT], one[STRETCH], other[HEIGHT], other[STRETCH])
-        if xi is not None:
-            candidates.append(s[left] + xi * l)
-    points = interpolated(q, s, np.array(candidates))
-    lowest = int(np.argmin(points[:, HEIGHT]))
-    at_s = candidates[lowest]
-    element = int(elements_at(s, np.array([at_s]))[0])
-    l = s[element + 1] - s[element]
-    xi = (at_s - s[element]) / l
-    one = q[element]
-    other = q[element + 1]
-    _, slope = interpolate(xi, l, one[POSITION], one[SLOPE], other[POSITION], other[SLOPE])
-    return LowestPoint(float(at_s), points[lowest], _yaw(np.asarray(slope)))
+    """Return the lowest point of the rope ``q`` (nodes, 7) with nodes at arc lengths ``s`` (m).
 
-
-def _lowest_in(l: float, r1: float, s1: float, r2: float, s2: float) -> float | None:
-    """Return the place (0 to 1) inside of an element where the height is smallest, if there is one.
-
-    r and s are the heights of its nodes and their slopes.  The slope is a parabola in the place.
+    It is that of the quintic through the lowest node and its neighbours: a cubic between two nodes
+    keeps its length only roughly, and its tangent is off inside of an element.
     """
-    at = [interpolate(xi, l, r1, s1, r2, s2)[1] for xi in (0.0, 0.5, 1.0)]
-    a = 2 * at[0] - 4 * at[1] + 2 * at[2]
-    b = -3 * at[0] + 4 * at[1] - at[2]
-    c = at[0]
-    discriminant = b * b - 4 * a * c
-    if discriminant <= 0 or max(a, b) <= 0:
-        return None
-    rise = math.sqrt(discriminant)  # of the slope, at the root where it becomes positive
-    if b > 0:
-        xi = -2 * c / (b + rise)
-    else:
-        xi = (rise - b) / (2 * a)
-    return xi if 0 < xi < 1 else None
+    middle = int(np.clip(np.argmin(q[:, HEIGHT]), 1, s.size - 2))
+    three = slice(middle - 1, middle + 2)
+    nodes = np.stack((q[three, POSITION], q[three, SLOPE]), axis=1)  # (3, 2, 3)
+    curve = KroghInterpolator(np.repeat(s[three], 2), nodes.reshape(6, 3))
+
+    def height(at: float) -> float:
+        return float(curve(at)[1])
+
+    first, _, last = s[three]
+    samples = np.linspace(first, last, sampling.FINE)
+    lowest = int(np.clip(np.argmin(curve(samples)[:, 1]), 1, samples.size - 2))
+    bounds = samples[lowest - 1], samples[lowest + 1]
+    at = float(minimize_scalar(height, bounds=bounds, method="bounded", options={"xatol": 1e-9}).x)
+    return LowestPoint(at, np.asarray(curve(at)), _yaw(np.asarray(curve.derivative(at))))
 
 
 def yaw_of(q: Array) -> float:

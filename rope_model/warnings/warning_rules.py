@@ -9,7 +9,7 @@ from rope_model.messages import warning_messages as texts
 from rope_model.messages.rules import Rules
 from rope_model.method import audit as audits
 from rope_model.method.mesh_error import length_for, mesh_error, turned_by_mesh
-from rope_model.method.mesh_fit import MAX_LENGTH, NATURAL_RADIUS
+from rope_model.method.mesh_fit import MAX_LENGTH
 from rope_model.method.mesh_pattern import fine_share
 from rope_model.parameters import Scene
 from rope_model.physics.air import air_acts
@@ -176,11 +176,9 @@ def _loop_unresolved(scene: Scene, state: RopeState) -> tuple[Scalar, ...]:
     fine_length = where(
         equal, scene.rope.length / mesh.elements, mesh.coarse_length * fine_share(mesh.counts)
     )
-    error = mesh_error(scene, fine_length, where(equal, 0.0, mesh.grading_length))
+    error = mesh_error(scene, fine_length, where(equal, 0.0, mesh.grading_length), 0.0)
     yaw = where(state.fidelity == "planar", 0.0, turned_by_mesh(scene, fine_length))
-    sufficient = minimum(
-        length_for(scene, allowed), MAX_LENGTH * NATURAL_RADIUS * bending_length(scene)
-    )
+    sufficient = minimum(length_for(scene, allowed), MAX_LENGTH * bending_length(scene))
     applies = logical_and(mesh.kind != "auto", state.fidelity != "rigid", error > allowed)
     return applies, fine_length, error, allowed, yaw, sufficient
 

@@ -22,9 +22,9 @@ from hoist_demo.parameters import Winding
 from rope_model import Accuracy, Layout, Rope, Scene
 from rope_model.compiler import find_compiler
 from rope_model.method.mesh_fit import (
+    BEND_SHARE,
     LEG_GRADING,
     LEG_WAVES,
-    LOCKING_SHARE,
     PUMPED_LEG,
     pumped_grading,
 )
@@ -39,9 +39,9 @@ shares = cache(partial(rule.shares, FOUND))
 def test_the_loop_s_elements_take_their_share_of_what_is_asked_and_at_least_a_third_of_it(
     asked: float,
 ) -> None:
-    share = shares(asked).loop / LOCKING_SHARE
+    share = shares(asked).loop / BEND_SHARE
     assert share.max() < 1.05  # the constants are the law's, rounded
-    assert asked == 0.05 or np.median(share) > 1 / 3
+    assert asked > 1e-3 or np.median(share) > 1 / 3  # no longer elements than MAX_LENGTH
 
 
 def test_the_longest_elements_are_the_longest_on_which_the_loop_does_not_slip_aside() -> None:
@@ -50,8 +50,8 @@ def test_the_longest_elements_are_the_longest_on_which_the_loop_does_not_slip_as
 
 
 @pytest.mark.parametrize("asked", [0.05, 5e-3, 1e-3, 2e-4])
-def test_what_fades_out_above_takes_a_tenth_of_what_is_asked_give_or_take(asked: float) -> None:
-    assert 0.05 < shares(asked).cover.max() < 0.25
+def test_what_fades_out_above_takes_less_than_a_tenth_of_what_is_asked(asked: float) -> None:
+    assert shares(asked).cover.max() < 0.1
 
 
 def test_end_elements_keep_the_clamp_moment_to_a_percent_at_5_mm() -> None:
@@ -77,7 +77,7 @@ def test_waves_that_an_emergency_stop_pumps_have_four_elements_on_long_ropes(len
     assert (waves / lengths[leg]).min() > 3.5
 
 
-@pytest.mark.parametrize("length", [60.0, 120.0, 200.0])
+@pytest.mark.parametrize("length", [60.0, 100.0, 120.0])
 def test_on_ropes_whose_longitudinal_waves_fade_before_that_they_need_none(length: float) -> None:
     scene = Scene(Rope(length=length))
     assert pumped_grading(scene) > fit_mesh(scene).grading_length
@@ -145,13 +145,12 @@ def test_a_fitted_mesh_follows_the_loop_to_the_end_of_the_rope(place: float) -> 
 
 
 @pytest.mark.skipif(not find_compiler(), reason="slow without a C compiler")
-def test_a_rope_of_the_judging_seed_hangs_too_high_by_the_law() -> None:
+def test_a_rope_of_the_judging_seed_hangs_too_low_by_the_law() -> None:
     drawn = next(statics.long_enough(draw(JUDGE, 9)))
-    S = laws.stiffness(np.array(drawn.rope.Qa), np.array(drawn.rope.EI), np.array(drawn.w))
-    for length in (0.14, 0.28, 0.5):
+    for length in (0.28, 0.5):
         fine, finest = (statics.pattern(drawn, x) for x in (length, statics.FINEST))
-        found = statics.shift(drawn, fine, finest, 0.1)[1]
+        found = -statics.shift(drawn, fine, finest, 0.1)[1]
         law = float(
-            laws.loop_error(FOUND.loop.values, np.array(length * drawn.w), np.array(drawn.w), S)
+            laws.loop_error(FOUND.loop.values, np.array(length * drawn.w), np.array(drawn.w))
         )
         assert_allclose(found, law, rtol=math.exp(3 * FOUND.loop.spread) - 1)

@@ -51,7 +51,7 @@ RUNS: dict[str, tuple[dict[str, Any], tuple[float, ...]]] = {
     "plain": ({}, (0.01, 0.02)),
     "passed": ({"rope.installed_twist": 7.0}, (0.01, 0.01)),
     "touching": (
-        {"rope.installed_twist": 5.5, "rope.diameter": 0.9, "layout.spacing": 1.0},
+        {"rope.installed_twist": 5.5, "rope.diameter": 0.75, "layout.spacing": 1.0},
         (0.01, 0.01),
     ),
     "yawed by its coupling": (DEEP, ()),
@@ -186,7 +186,7 @@ def test_torsional_stress_is_0_like_the_torque_where_no_torsion_is_computed(
     rope = Rope()
     half_circle = 0.5 * Layout().spacing
     stress = 32 * rope.EI / (math.pi * rope.diameter**3 * half_circle)
-    assert results["rigid"]["stress.bending_max"] == pytest.approx(stress, rel=1e-4)
+    assert results["rigid"]["stress.bending_max"] == pytest.approx(stress, rel=1e-3)
     assert min(abs(results["plain"][key]) for key in keys) > 1.0
 
 

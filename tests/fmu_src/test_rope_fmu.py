@@ -33,7 +33,7 @@ from rope_model.signals.signal_table import LOADS, SHAPE_POINTS, SIGNALS
 
 H = 0.02
 #: steps of a comparison with the rope in process: the first transformation is in the 50th
-LAST = 55
+LAST = 80
 HERE = (host_platform(),)
 #: steps as long as the host's
 EVEN = {"inputs_at_step_end": True, "solver.step_max": H, "solver.tolerance": 1e6}

@@ -36,7 +36,7 @@ from rope_model.reference.rope import ReferenceRope
 H = 0.01
 TRAVEL = 90.0
 REFERENCE = s_curve(Winding(travel=TRAVEL, start_delay=0.0))
-PART = 350  # steps, with two transformations
+PART = 400  # steps, with a transformation
 WINDING = round((REFERENCE.duration + 1.0) / H)
 SIDES = ("left", "right")
 FORCES = [*map(".".join, product(SIDES, ("fx", "fy", "fz", "mx", "my", "mz")))]

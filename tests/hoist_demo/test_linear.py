@@ -145,8 +145,8 @@ def test_rope_alone_has_its_natural_modes(mode: int, more: dict[str, float]) -> 
     assert rope.release_free_swivels().valid
     modes = natural_modes(rope, 8)
     found = linearise_rope(scene, *ends)
-    # ARPACK stops at sqrt(eps); a rope in free swivels spins
-    assert_allclose(found.modes(1.0).frequencies[mode:8], modes.frequencies[mode:], rtol=1e-6)
+    # the frame's turn is integrated from another reference; a rope in free swivels spins
+    assert_allclose(found.modes(1.0).frequencies[mode:8], modes.frequencies[mode:], rtol=3e-6)
     assert modes.frequencies[0] > 0.01 or mode == 1
     torques = [found.rest_outputs[found.outputs.index(f"{side}.my")] for side in ("left", "right")]
     assert (np.abs(torques) < 1e-6).all() == (mode == 1)

@@ -33,7 +33,7 @@ from rope_model.compiler import find_compiler
 from rope_model.engine import NativeRope
 from rope_model.method import step_errors
 from rope_model.method.generalized_alpha import Coefficients, local_error
-from rope_model.method.mesh_error import length_for, locking_error, turned_by_mesh
+from rope_model.method.mesh_error import bend_error, length_for, turned_by_mesh
 from rope_model.method.step_control import step_limits
 from rope_model.physics.estimates import axial_frequency
 
@@ -155,9 +155,9 @@ def test_ten_times_the_accuracy_takes_a_tenth_of_what_a_step_may_leave(asked: fl
 
 @pytest.mark.parametrize("EI", [50.0, 300.0, 3000.0])
 @pytest.mark.parametrize("error", [0.05, 5e-3, 5e-4, 5e-5])
-def test_elements_for_an_error_have_half_of_it_to_all_of_it(EI: float, error: float) -> None:
+def test_elements_for_an_error_have_it(EI: float, error: float) -> None:
     scene = Scene(Rope(EI=EI))
-    assert 0.5 * error <= locking_error(scene, length_for(scene, error)) <= error * (1 + 1e-12)
+    assert_allclose(bend_error(scene, length_for(scene, error)), error, rtol=1e-12)
 
 
 #: drawn at random, as everything of evidence.promise is
@@ -259,6 +259,7 @@ def test_an_emergency_stop_is_as_accurate_as_asked_and_says_how_accurate_it_is()
 FOUND = {"missing_loads", "unresolved_waves", "unresolved_bend"}
 SHORT = Scene(rope=Rope(length=60.0))
 AT_REST = EndMotion(y=0.0), EndMotion(y=40.0)
+PLACE = ("loop.x", "loop.y", "loop.z")
 H = 0.01
 NO_CONTROL = 1e6  # of the step's error
 
@@ -291,7 +292,7 @@ def test_the_audit_is_silent_in_windings_releases_emergency_stops_and_transforma
     rope = whole_trip(case)
     state = rope.state
     audit = rope.state.audit
-    assert state.counts.transformations > 20
+    assert state.counts.transformations > 15
     assert state.counts.swivel_events > 20 or case.scene == "rope-120"
     assert not FOUND & rope.warnings().keys()
     # a tenth of what is told
@@ -386,38 +387,39 @@ def test_a_blow_between_short_communication_steps_is_told() -> None:
 
 
 @pytest.mark.parametrize(
-    ("mesh", "told"),
+    ("mesh", "loop", "told"),
     [
-        *((Mesh("eem", elements=n), "sharpest bend") for n in (24, 40)),
-        (Mesh("eem", elements=60), "too long for the bend"),
-        *((mesh, None) for mesh in (Mesh("eem", elements=80), Mesh(), Mesh("auto"))),
+        *((Mesh("eem", elements=n), 0.01, "sharpest bend") for n in (24, 38)),
+        (Mesh("eem", elements=48), 1e-3, "too long for the bend"),
+        *((mesh, 0.01, None) for mesh in (Mesh("eem", elements=48), Mesh(), Mesh("auto"))),
     ],
 )
 def test_elements_too_long_for_the_bend_are_told_and_no_others(
-    mesh: Mesh, told: str | None
+    mesh: Mesh, loop: float, told: str | None
 ) -> None:
-    rope = wound(NativeRope(SHORT.with_(mesh=mesh)), lambda t: AT_REST, 1)
+    scene = SHORT.with_(mesh=mesh, accuracy=Accuracy(loop=loop))
+    rope = wound(NativeRope(scene), lambda t: AT_REST, 1)
     assert ("unresolved_bend" in rope.warnings()) == (told is not None)
     assert (told or "") in rope.warnings().get("unresolved_bend", "")
 
 
 def test_what_a_coarse_mesh_does_to_the_loop_is_told_before_anything_moves() -> None:
-    """60 equal elements on the 120 m rope: yawed by 1.2 degrees for 3.0, and 13 cm too high."""
+    """40 equal elements on the 120 m rope: one and a half lengths of its bend."""
     scene = Scene()
     ends = (EndMotion(y=30.0), EndMotion())
     found = []
-    for mesh in (Mesh("eem", elements=60), Mesh("auto", loop_error=5e-4)):
+    for mesh in (Mesh("eem", elements=40), Mesh("auto", loop_error=5e-4)):
         rope = hung(NativeRope(scene.with_(mesh=mesh)), *ends)
-        found.append(rope.signals(("loop.y", "loop.yaw", "status.loop_error")))
-        assert ("elements of 2 m" in rope.warnings().get("unresolved_bend", "")) == (
+        found.append(rope.signals((*PLACE, "loop.yaw", "status.loop_error")))
+        assert ("elements of 3 m" in rope.warnings().get("unresolved_bend", "")) == (
             mesh.kind == "eem"
         )
     coarse, fine = found
-    off = coarse["loop.y"] - fine["loop.y"]
-    turned = abs(coarse["loop.yaw"] - fine["loop.yaw"])
+    off = math.dist([coarse[name] for name in PLACE], [fine[name] for name in PLACE])
     assert 0.5 < coarse["status.loop_error"] / off < 2.0
-    assert turned > 0.5 * abs(fine["loop.yaw"])
-    assert 0.5 < turned_by_mesh(scene, 2.0) / turned < 2.0
+    # by up to so much, where the nodes lie badly
+    turned = abs(coarse["loop.yaw"] - fine["loop.yaw"])
+    assert 0.2 < turned / turned_by_mesh(scene, 3.0) < 1.0
 
 
 def test_short_communication_steps_over_transformations_leave_no_load_missing() -> None:
@@ -429,5 +431,5 @@ def test_short_communication_steps_over_transformations_leave_no_load_missing() 
         t += float(10.0 ** chance.uniform(-8.0, math.log10(0.02)))
         status = rope.advance_to(t, *ends_at(TRIP, 90.0, t))
         assert status.valid, status.message
-    assert rope.state.counts.transformations > 5
+    assert rope.state.counts.transformations > 3
     assert "missing_loads" not in rope.warnings()

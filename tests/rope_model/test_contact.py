@@ -389,7 +389,7 @@ def test_a_mesh_that_is_transformed_on_a_floor_keeps_the_energy_balance() -> Non
         a = speed * 30 * (s * (1 - s)) ** 2 / ramp
         return EndMotion(y=y, vy=v, ay=a), EndMotion(y=-y, vy=-v, ay=-a)
 
-    rope = wound(balance_rope(scene, "native"), motion, 250)
+    rope = wound(balance_rope(scene, "native"), motion, 500, 0.005)
     energy = rope.state.energy_balance
     assert rope.state.counts.transformations > 2
     assert rope.signals(["contact.floor"])["contact.floor"] > 10

@@ -49,7 +49,7 @@ def test_derivatives_are_differences_of_the_step(name: str) -> None:
 
 def test_derivatives_where_wires_rub_are_those_of_wires_that_go_on_as_they_do() -> None:
     found = errors(cases()["wires that rub"], 0.005)
-    assert len(found) >= 9, found
+    assert len(found) >= 8, found
     assert max(found.values()) < ALLOWED, found
 
 

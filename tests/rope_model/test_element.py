@@ -58,6 +58,9 @@ def test_the_balance_holds_the_integrals_of_the_theory(seed: int) -> None:
         stretch = np.linalg.norm(d, axis=0)
         (t, t_x), (_, t_t), (p, p_x) = (direction(*pair) for pair in ((d, c), (d, d_t), (d_p, c_p)))
         e = stretch - 1
+        mean = 0.5 * float(weights @ e)
+        left, right = (float(np.linalg.norm(s.q[i : i + 3])) - 1 for i in (3, 10))
+        assumed = left + at * (right - left) + (6 * mean - 3 * (left + right)) * at * (1 - at)
         k = np.linalg.norm(np.cross(d, c, axis=0), axis=0) / stretch**2
         twist, spin = (
             -np.sum(np.cross(p, t, axis=0) * change, axis=0) / (1 + np.sum(p * t, axis=0))
@@ -69,7 +72,7 @@ def test_the_balance_holds_the_integrals_of_the_theory(seed: int) -> None:
         w = theta_t + spin
         slope_rate = s.v[13] - s.v[6]
         density = {
-            "axial": 0.5 * m["Qa"] * e**2,
+            "axial": 0.5 * m["Qa"] * assumed**2,
             "coupling": m["Qs"] * e * tau,
             "torsion": 0.5 * (m["Qd"] + m["Qe"] * e) * tau**2,
             "bending": 0.5 * m["EI"] * k**2,

@@ -87,7 +87,7 @@ def test_each_guard_trips_for_its_cause() -> None:
         "window": Guard(window=0.01, window_delay=0.05),
         "clearance": Guard(clearance=1.0, rise=5.0),
     }
-    cases |= {"rise": Guard(rise=0.5, rise_y=-14.0), "torque": Guard(torque=0.5)}
+    cases |= {"rise": Guard(rise=0.5, rise_y=-14.0), "torque": Guard(torque=0.3)}
     cases |= {"turns": Guard(turns=1e-4, turns_delay=0.1)}
     for cause, guard in cases.items():
         scene = guarded(guard, SHORT.with_(shaft=Shaft(sump=Sump(-11.9))))

@@ -226,8 +226,8 @@ def test_a_cable_that_hardly_resists_torsion_takes_its_curvature() -> None:
     found = hung(balance_rope(of), right=EndMotion(y=0.1)).signals(
         ["loop.yaw", "left.fy", "right.fy"]
     )
-    # recorded from this engine; its weight is carried
-    assert found["loop.yaw"] == pytest.approx(-0.0115629, abs=1e-6)
+    # recorded from this engine (-0.011685 in the limit); its weight is carried
+    assert found["loop.yaw"] == pytest.approx(-0.0115911, abs=1e-6)
     weight = rope.mass_per_length * rope.length * of.layout.gravity
     assert found["left.fy"] + found["right.fy"] == pytest.approx(-weight, rel=1e-8)
 
@@ -293,8 +293,12 @@ def test_the_45_degree_bend(load: float, meshes: tuple[int, ...], within: float)
     exact = rod_tip(load)
     errors = [float(np.abs(bend_tip(elements, load) - exact).max()) for elements in meshes]
     assert errors[-1] < within  # m, of a radius of 100 m
-    # its torsional strain is uniform, and the torque along a curved rod is not
-    assert (np.log2(np.array(errors[:-1]) / errors[1:]) > 1.9).all(), errors
+    assert errors[0] < 0.06
+    # its torsional strain is uniform, and the torque along a curved rod is not: second order, from
+    # below (1.90 from 4 to 8 elements, 1.98 from 8 to 16)
+    assert (np.log2(np.array(errors[:-1]) / errors[1:]) > (1.89, 1.97)[: len(errors) - 1]).all(), (
+        errors
+    )
     # eight straight beams of each: 0.7 % and 0.11 % of the radius
     for tip, within in zip(PUBLISHED[load], (0.695, 0.11), strict=True):
         assert_allclose(np.abs(exact), tip, atol=within)

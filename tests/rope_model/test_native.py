@@ -146,8 +146,8 @@ def test_a_transformation_without_equilibrium_gets_less_time_and_is_refused_at_t
     assert rope.advance_to(start + 1e-4, *motions(start + 1e-4)).valid
     assert (rope.state.counts.transformations, rope.state.counts.rejections) == (
         1,
-        7,
-    )  # T = 0.1 s / 2^7
+        8,
+    )  # T = 0.1 s / 2^8
     rope.restore(before)
     rope.retune(scene.with_(solver=replace(scene.solver, step_min=0.01)))
     status = rope.advance_to(start + 1e-4, *motions(start + 1e-4))

@@ -10,6 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from native_parts import Array, CLoopBottom, interpolate, loop_bottom, partition, shape
 from numpy.testing import assert_allclose
+from scipy.interpolate import KroghInterpolator
 
 from rope_model import Mesh
 from rope_model.method.sampling import FINE, OUTLINE
@@ -51,20 +52,38 @@ def sway(hanging: tuple[float, ...], seed: int) -> tuple[Array, Array, Array]:
 def test_the_lowest_point_is_where_the_centre_line_is_level(
     hanging: tuple[float, ...], seed: int
 ) -> None:
-    """The reference finds it among the roots of r'_Y, the engine by a parabola through samples."""
-    assume(hanging[-1] > 15 * hanging[3])
+    """The reference seeks it in the quintic through three nodes, the engine by a parabola through its samples."""
+    assume(hanging[-1] > 15 * hanging[3] + abs(hanging[1]))
     q, lengths, s = sway(hanging, seed)
     bottom = loop_bottom(q, lengths)
     expected = lowest_point(q, s)
     node = int(np.clip(np.argmin(q[:, 1]), 1, s.size - 2))
+    three = slice(node - 1, node + 2)
+    curve = KroghInterpolator(np.repeat(s[three], 2), q[three, :6].reshape(6, 3))
     samples = np.linspace(s[node - 1], s[node + 1], FINE)
     h = samples[1] - samples[0]
-    bend = np.abs(np.diff(interpolate(q, s, samples)[:, 1], 2)).max() / h**2
+    bend = np.abs(np.diff(curve(samples)[:, 1], 2)).max() / h**2
     # it is found within a sample, from where the rope rises by bend h^2 / 2 at most
     assert -1e-9 < bottom.position[1] - expected.position[1] <= 0.5 * bend * h**2 + 1e-9
-    on_it = interpolate(q, s, np.array([bottom.s]))[0]
-    assert_allclose(bottom.position, on_it[:3], atol=1e-12 * s[-1])
-    assert_allclose(bottom.yaw, math.atan2(-on_it[5], on_it[3]), atol=1e-9)
+    slope = curve.derivative(bottom.s)
+    assert_allclose(bottom.position, curve(bottom.s), atol=1e-11 * s[-1])
+    assert_allclose(bottom.yaw, math.atan2(-slope[2], slope[0]), atol=1e-9)
+
+
+def test_the_lowest_point_of_an_arc_is_right_to_the_sixth_order() -> None:
+    """A cubic's tangent is off inside of an element: the lowest point by the cube of the element's turn."""
+    errors = []
+    for turn in (0.4, 0.2):
+        angles = turn * (np.arange(5) - 1.7)  # of a circle of radius 1, between its nodes
+        q = np.zeros((5, 7))
+        q[:, 0] = np.sin(angles)
+        q[:, 1] = -np.cos(angles)
+        q[:, 3] = np.cos(angles)
+        q[:, 4] = np.sin(angles)
+        bottom = loop_bottom(q, np.full(4, turn))
+        errors.append(math.hypot(bottom.position[0], bottom.position[1] + 1.0))
+        assert errors[-1] < 1e-3 * turn**4
+    assert errors[1] < errors[0] / 30
 
 
 def tangle(kind: str, seed: int) -> tuple[Array, Array]:
@@ -213,7 +232,6 @@ def test_a_rope_that_is_lowest_at_an_end_has_no_legs(parts: SimpleNamespace, low
     if lowest == 0:
         q[:, 4] = 1.0
     q[:, 3] = 0.1
-    # it is sought up to half a sample from the end
-    assert_allclose(loop_bottom(q, lengths).s, s[lowest], atol=0.1)
+    assert_allclose(loop_bottom(q, lengths).s, s[lowest], rtol=0, atol=1e-12)
     here = CLoopBottom(float(s[lowest]), tuple(q[lowest, :3]), 0.0)
     assert parts.leg_clearance(5, q, s, here, LOOP, DIAMETER, 1.0, None) == math.inf

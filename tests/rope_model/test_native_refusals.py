@@ -98,7 +98,10 @@ def test_a_step_that_fails_says_why_and_leaves_the_state(
             Scene(mesh=Mesh("tmn", counts=(2, 4, 160000, 4, 2), coarse_length=0.01)),
             "leave nothing for I and VII",
         ),
-        (Scene(layout=Layout(spacing=1e-7)), "mesh.kind = auto takes them from EI"),
+        (
+            Scene(layout=Layout(gravity=1e6), rope=Rope(EI=1e-6)),
+            "mesh.kind = auto takes them from EI",
+        ),
     ],
 )
 def test_a_mesh_of_too_many_elements_is_refused(scene: Scene, words: str) -> None:

@@ -389,5 +389,5 @@ def test_a_search_without_success_says_what_is_left_and_what_to_check(
     data = Rope(length=1.0, mass_per_length=1.0, Qa=10.0, Qb=0.0, Qc=0.0, Qd=1.0, EI=1.0, rhoJ=0.1)
     system = rod(np.diff(s), np.array(parameters(data, 0.0)), nothing_held(q), q, loads)
     monkeypatch.setattr("rope_model.reference.statics.MAX_CORRECTIONS", 50)
-    with pytest.raises(StaticsError, match=r"N are left; check the rope's length and stiffness"):
+    with pytest.raises(StaticsError, match="N are left unbalanced; check twist"):
         find_equilibrium(system, q)

@@ -204,8 +204,12 @@ def test_no_end_force_jumps_where_only_the_description_changes(name: str) -> Non
     smooth_ones = jumps
     if "that is turned" in name:
         smooth_ones = jumps_at(changes["transformation"], jumps)
-    # the motions last for seconds and bend the curve of 10 ms samples by a tenth of that
-    assert smooth_ones[:, :6].max() < 1.0
+    # the motions last for seconds and bend the curve of 10 ms samples by a tenth of that; where the
+    # loop turns, or the mesh is that of a draft, transformations leave a thousandth of the force
+    limit = 1.0
+    if "two turns" in name or "draft" in name or "rigid" in name:
+        limit = 1e-3 * np.abs(record).max()
+    assert smooth_ones[:, :6].max() < limit
     assert smooth_ones[:, 6:].max() < 0.05
 
 

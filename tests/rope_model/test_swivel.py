@@ -369,7 +369,7 @@ def test_a_rope_hung_anew_after_a_trip_rests_within_the_limits_band() -> None:
         left=dirty, right=dirty, rope=replace(ROPE, beta_K=0.02, torsion_damping=10.0)
     )
     rope = wound(
-        balance_rope(scene), lambda t: (smooth_trip(t, 10.0, 10.0, 0.0)[0], RIGHT), 3000, 0.02
+        balance_rope(scene), lambda t: (smooth_trip(t, 10.0, 5.0, 0.0)[0], RIGHT), 3000, 0.02
     )
     assert rope.state.counts.swivel_events > 0
     after = rope.signals()

@@ -278,6 +278,7 @@ def test_steps_converge_with_the_second_order() -> None:
         return passed(replace(of, solver=free), round(1.0 / step), step).state.motion.q
 
     exact = swung(1 / 1280)
-    errors = [np.abs(swung(1 / n) - exact).max() for n in (40, 80, 160)]
+    # 40 steps a second do not resolve where wires reverse their sliding
+    errors = [np.abs(swung(1 / n) - exact).max() for n in (80, 160, 320)]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert (orders > 1.7).all(), (errors, orders)

@@ -55,7 +55,7 @@ Mesh fit_mesh(const Scene *scene) {
     Mesh mesh = scene->mesh;
     if (mesh.kind != AUTO_MESH) return mesh;
     const double asked = mesh.loop_error > 0 ? mesh.loop_error : MESH_SHARE * scene->accuracy.loop;
-    const FittedMesh fitted = fit_elements(scene, asked, log10(MESH_FIT_FADE_ERROR / asked));
+    const FittedMesh fitted = fit_elements(scene, asked, log10(MESH_FIT_COVER_ERROR / asked));
     mesh.kind = fitted.equal > 0 ? EEM : TMN;
     mesh.loop_error = 0; /* not used by these kinds */
     if (mesh.kind == EEM)

@@ -11,42 +11,62 @@
 #include "rope.h"
 #include "state.h"
 #include "state_structures.h"
-#include "transfer.h"
 
 double ends_yaw(const NodalArrays *nodal) {
     return centreline_line_yaw(nodal->q, end_row(nodal->q, nodal->nodes, RIGHT));
 }
 
-/* Return the index nearest to i that has a neighbour on both sides. */
-static int inner_index(int i, int count) {
-    if (i < 1) return 1;
-    return i > count - 2 ? count - 2 : i;
+enum { THREE = 3 };
+
+/* Set result to value and slope of a coordinate at s from the first of three nodes, whose arc lengths are node_s. */
+static void coordinate_at(const double *node, const double *node_s, int axis, double s, double result[2]) {
+    double values[2 * THREE];
+    for (int k = 0; k < THREE; k++) {
+        const double *row = node + (ptrdiff_t)DOF * k;
+        values[2 * k] = row[axis];
+        values[2 * k + 1] = row[SLOPE + axis];
+    }
+    hermite_through_three(s, node_s[1] - node_s[0], node_s[2] - node_s[0], values, result);
+}
+
+/* Return the first of three nodes in a row with this node in their middle, or next to it at an end. */
+static int first_of_three(int node, int nodes) {
+    if (node == 0) return 0;
+    return node == nodes - 1 ? nodes - THREE : node - 1;
+}
+
+/* Return where a sampled height is least, in samples: the lowest point of a parabola through three of them. */
+static double lowest_sample(const double height[SAMPLING_FINE]) {
+    int lowest = 0;
+    for (int k = 1; k < SAMPLING_FINE; k++)
+        if (height[k] < height[lowest]) lowest = k;
+    if (lowest == 0 || lowest == SAMPLING_FINE - 1) return lowest;
+    const double before = height[lowest - 1];
+    const double after = height[lowest + 1];
+    const double bend = before - 2 * height[lowest] + after;
+    return bend > 0 ? lowest + 0.5 * (before - after) / bend : lowest;
 }
 
 LoopBottom loop_bottom(int nodes, const double *q, const double *s) {
-    const int node = inner_index(lowest_node(nodes, q), nodes);
-    const double begin = s[node - 1];
-    const double end = s[node + 1];
-    const double step = (end - begin) / (SAMPLING_FINE - 1);
-    double fine[SAMPLING_FINE];
-    double rows[SAMPLING_FINE][DOF];
-    double row[1][DOF];
-    for (int k = 0; k < SAMPLING_FINE; k++) fine[k] = k < SAMPLING_FINE - 1 ? k * step + begin : end;
-    transfer_interpolate(nodes, q, s, SAMPLING_FINE, fine, rows);
-    int lowest = 0;
-    for (int k = 1; k < SAMPLING_FINE; k++)
-        if (rows[k][UP] < rows[lowest][UP]) lowest = k;
-    /* lowest point of the parabola through three points */
-    lowest = inner_index(lowest, SAMPLING_FINE);
-    const double before = rows[lowest - 1][UP];
-    const double after = rows[lowest + 1][UP];
-    const double bend = before - 2 * rows[lowest][UP] + after;
-    const double shift = bend > 0 ? 0.5 * (before - after) / bend : 0.0;
+    const int first = first_of_three(lowest_node(nodes, q), nodes);
+    const double *node = q + (ptrdiff_t)DOF * first;
+    const double step = (s[first + 2] - s[first]) / (SAMPLING_FINE - 1);
+    double height[SAMPLING_FINE];
+    double found[2];
+    for (int k = 0; k < SAMPLING_FINE; k++) {
+        coordinate_at(node, s + first, UP, k * step, found);
+        height[k] = found[0];
+    }
+    const double from_first = lowest_sample(height) * step;
     LoopBottom bottom;
-    bottom.s = fine[lowest] + fmin(fmax(shift, -1.0), 1.0) * (fine[1] - fine[0]);
-    transfer_interpolate(nodes, q, s, 1, &bottom.s, row);
-    memcpy(bottom.position, row[0], sizeof bottom.position);
-    bottom.yaw = atan2(-row[0][SLOPE + 2], row[0][SLOPE]);
+    double slope[3];
+    bottom.s = s[first] + from_first;
+    for (int axis = 0; axis < 3; axis++) {
+        coordinate_at(node, s + first, axis, from_first, found);
+        bottom.position[axis] = found[0];
+        slope[axis] = found[1];
+    }
+    bottom.yaw = atan2(-slope[2], slope[0]);
     return bottom;
 }
 

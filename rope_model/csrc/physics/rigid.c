@@ -5,6 +5,7 @@
 #include "rigid.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <string.h>
 
@@ -15,8 +16,16 @@
 #include "state_structures.h"
 #include "transfer.h"
 
-RopeStatus hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q,
-                         char *message) {
+/* Return the length of the elements about arc length `middle`, m. */
+static double element_length_at(int nodes, const double *s, double middle) {
+    const int e = middle_before(nodes, s, 0, middle);
+    return interpolate_midpoints(nodes, s, e, middle, s[e + 1] - s[e], e < nodes - 2 ? s[e + 2] - s[e + 1] : 0.0);
+}
+
+/* Set q to the initial shape with a half circle of at least four elements, or with that of the ends if not `widened`.
+ */
+static RopeStatus shape_between(int nodes, const double *s, const double left[3], const double right[3], bool widened,
+                                double *q, char *message) {
     message[0] = '\0';
     double length = s[nodes - 1];
     double across[3] = {right[0] - left[0], 0.0, right[2] - left[2]};
@@ -24,15 +33,17 @@ RopeStatus hanging_guess(int nodes, const double *s, const double left[3], const
     if (width == 0) return say_ends_above_each_other(message, fabs(left[UP] - right[UP]));
     for (int axis = 0; axis < 3; axis++) across[axis] /= width;
     double middle = 0.5 * (length + left[UP] - right[UP]); /* arc length of the lowest point */
-    /* length of the elements there */
-    const int e = middle_before(nodes, s, 0, middle);
-    const double cell =
-        interpolate_midpoints(nodes, s, e, middle, s[e + 1] - s[e], e < nodes - 2 ? s[e + 2] - s[e + 1] : 0.0);
+    const double cell = widened ? element_length_at(nodes, s, middle) : 0.0;
     InitialShape legs = initial_shape(length, middle, width, cell);
     if (minimum(legs.left_leg, legs.right_leg) <= legs.lean)
         return say_rope_too_short(message, length, width, fabs(left[UP] - right[UP]));
     for (int k = 0; k < nodes; k++) initial_shape_node_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
     return ROPE_DONE;
+}
+
+RopeStatus hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q,
+                         char *message) {
+    return shape_between(nodes, s, left, right, true, q, message);
 }
 
 /* Velocities v (nodes x DOF) of the flow along the rope q (nodes x DOF). */
@@ -61,7 +72,7 @@ RopeStatus rigid_rope(const Scene *scene, const EndMotion ends[2], double t, con
     energy_balance->kinetic = energies[0];
     energy_balance->gravity = energies[1];
     centreline_suspension_points(&scene->layout, &ends[LEFT], &ends[RIGHT], points);
-    if (!hanging_guess(nodes, nodal->s, points[LEFT], points[RIGHT], q, message)) return ROPE_FAILED;
+    if (!shape_between(nodes, nodal->s, points[LEFT], points[RIGHT], false, q, message)) return ROPE_FAILED;
     flow_velocities(nodes, q, inextensible_flow(ends[LEFT].vy, ends[RIGHT].vy), v);
     for (int i = 0; i < nodes * DOF; i++) a[i] = reaction[i] = 0.0;
     for (int side = LEFT; side <= RIGHT; side++) {
