@@ -9,6 +9,7 @@ from evidence.mesh_rule import laws
 from evidence.mesh_rule.laws import Laws
 from evidence.mesh_rule.scenes import JUDGE, draw
 from evidence.tables import Array, Table
+from rope_model.method.mesh_error import ADDED, ELEMENTS_OF_TRANSFORMATION
 from rope_model.method.mesh_fit import COVER_ERROR, MAX_LENGTH, fit_lengths
 from rope_model.physics.elementary import sqrt
 from rope_model.solver_parameters import Mesh
@@ -21,7 +22,10 @@ AT_LEAST = 0.05
 
 
 class Shares(NamedTuple):
-    """By the laws, one per rope: parts of the error asked for that the rule's lengths make; error of the moment."""
+    """By the laws, one per rope: parts of the error asked for that the rule's lengths make; error of the moment.
+
+    That of the loop's elements is after a trip along the whole rope.
+    """
 
     loop: Array
     cover: Array
@@ -37,7 +41,9 @@ def shares(found: Laws, asked: float) -> Shares:
         of = fit_lengths(d.scene(Mesh()), asked, math.log10(COVER_ERROR / asked))
         fine = np.array(of.fine_length)
         layer = sqrt(d.rope.EI / (0.5 * d.rope.mass_per_length * d.layout.gravity * d.rope.length))
-        loop.append(float(laws.loop_error(found.loop.values, fine, np.array(d.w))) / asked)
+        transformations = d.rope.length / (ELEMENTS_OF_TRANSFORMATION * of.fine_length)
+        at_rest = float(laws.loop_error(found.loop.values, fine, np.array(d.w)))
+        loop.append(at_rest * (1.0 + ADDED * transformations) / asked)
         cover.append(
             float(laws.cover_error(found.cover.values, fine, np.array(of.cover), np.array(d.w)))
             / asked

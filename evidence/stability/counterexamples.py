@@ -48,12 +48,11 @@ def pointwise_strain(gauss_points: int) -> Iterator[None]:
             total += 0.5 * weight * (ca.norm_2(slope) - 1) ** power
         return total
 
-    at_nodes = [ca.norm_2(q[place]) - 1 for place in element.SLOPES]
-    assumed = element.AxialStrain.of(mean(3, 1), *at_nodes)
-    parts = zip(assumed, element.LEGENDRE_SQUARES, strict=True)
-    assumed_square = sum((factor * part**2 for part, factor in parts), start=ca.SX(0))
+    assumed = element.AxialStrain.of(mean(3, 1), *element.strains_at_nodes(q))
     Qa = element.parameters_from(P).Qa
-    stiffness, force = ca.hessian(0.5 * l * Qa * (mean(gauss_points, 2) - assumed_square), q)
+    stiffness, force = ca.hessian(
+        0.5 * l * Qa * (mean(gauss_points, 2) - element.mean_square(assumed)), q
+    )
     tangent_arguments = [q, v, a, l, F, P, c_q, c_v, c_a, q_prestress]
     R, J = functions.tangent(*tangent_arguments)
     functions = functions.replaced(

@@ -345,11 +345,10 @@ def _strains(x: _Arguments, points: list[_Point], of_point: ca.Function) -> _Str
     e, turning, k_square, e_t, turning_t = ca.vertsplit(means)
     slopes = [x.q[place] for place in SLOPES]
     rates = [x.v[place] for place in SLOPES]
-    at_nodes = [ca.norm_2(slope) - 1 for slope in slopes]
     at_nodes_t = [ca.dot(_unit(slope), rate) for slope, rate in zip(slopes, rates, strict=True)]
     theta_x = ca.vertcat(-1 / x.l, 1 / x.l) if x.torsional else ca.SX.zeros(2)
     return _Strains(
-        axial=AxialStrain.of(e, *at_nodes),
+        axial=AxialStrain.of(e, *strains_at_nodes(x.q)),
         axial_t=AxialStrain.of(e_t, *at_nodes_t),
         tau=turning + ca.dot(theta_x, x.q[THETAS]),
         tau_t=turning_t + ca.dot(theta_x, x.v[THETAS]),
@@ -361,7 +360,7 @@ def _strains(x: _Arguments, points: list[_Point], of_point: ca.Function) -> _Str
 
 def _strain_energy(p: ElementParameters, axial: AxialStrain, tau: ca.SX) -> Any:
     """Return the mean energy (J/m) of the conservative part of the Costello law without Qe."""
-    varying = _mean_square(axial) - axial.mean**2
+    varying = mean_square(axial) - axial.mean**2
     return costello.strain_energy(p.Qa, p.Qs, p.Qd, axial.mean, tau) + 0.5 * p.Qa * varying
 
 
@@ -407,7 +406,7 @@ def _balance(
     def add(name: str, value: Any) -> None:
         balance[BALANCE.index(name)] += value
 
-    add("axial", x.l * 0.5 * p.Qa * _mean_square(strains.axial))
+    add("axial", x.l * 0.5 * p.Qa * mean_square(strains.axial))
     add("coupling", x.l * p.Qs * e * tau)
     add("torsion", x.l * (0.5 * p.Qd * tau**2 + costello.stiffening_energy(p.Qe, e, tau)))
     add("kinetic", 0.5 * ca.dot(x.v, mass @ x.v))
@@ -512,13 +511,18 @@ def _of_prestress(
         (p.weight * ca.norm_2((p.B @ relative @ x.q_prestress)[:3]) for p in points),
         start=ca.SX(0),
     )
-    at_nodes = [ca.norm_2(x.q_prestress[place]) - 1 for place in SLOPES]
-    before = AxialStrain.of(mean - 1, *at_nodes)
+    before = AxialStrain.of(mean - 1, *strains_at_nodes(x.q_prestress))
     changes = zip(elastic.axial, LEGENDRE_SQUARES, before, strains.axial, strict=True)
     return AxialStrain(*(N + Qa * factor * (e_p - e) for N, factor, e_p, e in changes))
 
 
-def _mean_square(e: AxialStrain) -> Any:
+def strains_at_nodes(q: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Return |r'| - 1 at both nodes."""
+    left, right = (ca.norm_2(q[place]) - 1 for place in SLOPES)
+    return left, right
+
+
+def mean_square(e: AxialStrain) -> Any:
     """Return the mean of the square of an axial strain over the element."""
     return sum(factor * part**2 for part, factor in zip(e, LEGENDRE_SQUARES, strict=True))
 

@@ -2,7 +2,7 @@
 
 The conveyance carries the opposite of the rope's reactions: the force -R, and the moment of the
 reaction to r' together with the torque M of the swivel (``physics.frame``).  The loop's lowest
-point is that of a quintic through three nodes.
+point is that of quintics through three nodes.
 """
 
 import math
@@ -10,7 +10,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import KroghInterpolator
 from scipy.optimize import minimize_scalar
 
 from rope_model.arrays import Array
@@ -21,6 +20,7 @@ from rope_model.physics.centreline import nearest_turn, sample_s
 from rope_model.physics.element import STRAINS
 from rope_model.physics.estimates import loop_width
 from rope_model.physics.frame import conveyance_load
+from rope_model.physics.hermite import through_three
 from rope_model.physics.node import END_NODE, POSITION, SIDES, SLOPE
 from rope_model.physics.stress import material_values
 from rope_model.reference.equations import HEIGHT
@@ -60,23 +60,53 @@ class LowestPoint:
 def lowest_point(q: Array, s: Array) -> LowestPoint:
     """Return the lowest point of the rope ``q`` (nodes, 7) with nodes at arc lengths ``s`` (m).
 
-    It is that of the quintic through the lowest node and its neighbours: a cubic between two nodes
-    keeps its length only roughly, and its tangent is off inside of an element.
+    Quintics through three nodes are as accurate as the nodes: a cubic between two nodes keeps its
+    length only roughly, and its tangent is off inside of an element.
     """
     middle = int(np.clip(np.argmin(q[:, HEIGHT]), 1, s.size - 2))
-    three = slice(middle - 1, middle + 2)
-    nodes = np.stack((q[three, POSITION], q[three, SLOPE]), axis=1)  # (3, 2, 3)
-    curve = KroghInterpolator(np.repeat(s[three], 2), nodes.reshape(6, 3))
+    bounds = s[middle - 1], s[middle + 1]
+    samples = np.linspace(*bounds, sampling.FINE)
+    heights = [curve_beside(q, s, middle, float(at))[0][HEIGHT] for at in samples]
+    lowest = int(np.argmin(heights))
+    at = float(samples[lowest])
+    if 0 < lowest < samples.size - 1:
 
-    def height(at: float) -> float:
-        return float(curve(at)[1])
+        def height(at: float) -> float:
+            return float(curve_beside(q, s, middle, at)[0][HEIGHT])
 
-    first, _, last = s[three]
-    samples = np.linspace(first, last, sampling.FINE)
-    lowest = int(np.clip(np.argmin(curve(samples)[:, 1]), 1, samples.size - 2))
-    bounds = samples[lowest - 1], samples[lowest + 1]
-    at = float(minimize_scalar(height, bounds=bounds, method="bounded", options={"xatol": 1e-9}).x)
-    return LowestPoint(at, np.asarray(curve(at)), _yaw(np.asarray(curve.derivative(at))))
+        around = samples[lowest - 1], samples[lowest + 1]
+        found = minimize_scalar(height, bounds=around, method="bounded", options={"xatol": 1e-9})
+        at = float(found.x)
+    position, slope = curve_beside(q, s, middle, at)
+    return LowestPoint(at, position, _yaw(slope))
+
+
+def curve_beside(q: Array, s: Array, middle: int, at: float) -> tuple[Array, Array]:
+    """Return r and r' (3,) at arc length ``at`` (m) of an element beside the node ``middle``.
+
+    The quintics about the element's nodes share it by their distance, so that nothing jumps where
+    another node becomes the lowest.
+    """
+    element = middle - 1 if at < s[middle] else middle
+    l = s[element + 1] - s[element]
+    xi = (at - s[element]) / l
+    (left, left_slope), (right, right_slope) = (
+        _quintic(q, s, int(np.clip(node, 1, s.size - 2)), at) for node in (element, element + 1)
+    )
+    slope = (1 - xi) * left_slope + xi * right_slope + (right - left) / l
+    return (1 - xi) * left + xi * right, slope
+
+
+def _quintic(q: Array, s: Array, node: int, at: float) -> tuple[Array, Array]:
+    """Return r and r' (3,) at arc length ``at`` (m) of the quintic through a node and its neighbours."""
+    first, second, third = s[node - 1 : node + 2]
+    pairs = [
+        through_three(
+            at - first, second - first, third - first, q[node - 1 : node + 2, [k, 3 + k]].ravel()
+        )
+        for k in range(3)
+    ]
+    return np.array([r for r, _ in pairs]), np.array([slope for _, slope in pairs])
 
 
 def yaw_of(q: Array) -> float:

@@ -8,7 +8,7 @@ from rope_model.fidelity.fidelity_rules import carries_torque
 from rope_model.messages import warning_messages as texts
 from rope_model.messages.rules import Rules
 from rope_model.method import audit as audits
-from rope_model.method.mesh_error import length_for, mesh_error, turned_by_mesh
+from rope_model.method.mesh_error import length_for, mesh_error, slip_factor, turned_by_mesh
 from rope_model.method.mesh_fit import MAX_LENGTH
 from rope_model.method.mesh_pattern import fine_share
 from rope_model.parameters import Scene
@@ -178,7 +178,9 @@ def _loop_unresolved(scene: Scene, state: RopeState) -> tuple[Scalar, ...]:
     )
     error = mesh_error(scene, fine_length, where(equal, 0.0, mesh.grading_length), 0.0)
     yaw = where(state.fidelity == "planar", 0.0, turned_by_mesh(scene, fine_length))
-    sufficient = minimum(length_for(scene, allowed), MAX_LENGTH * bending_length(scene))
+    # shorter than MAX_LENGTH, the loop slips less; a tenth is left to the legs
+    share = 0.9 * allowed / slip_factor(MAX_LENGTH)
+    sufficient = minimum(length_for(scene, share), MAX_LENGTH * bending_length(scene))
     applies = logical_and(mesh.kind != "auto", state.fidelity != "rigid", error > allowed)
     return applies, fine_length, error, allowed, yaw, sufficient
 

@@ -16,23 +16,36 @@ double ends_yaw(const NodalArrays *nodal) {
     return centreline_line_yaw(nodal->q, end_row(nodal->q, nodal->nodes, RIGHT));
 }
 
-enum { THREE = 3 };
-
-/* Set result to value and slope of a coordinate at s from the first of three nodes, whose arc lengths are node_s. */
-static void coordinate_at(const double *node, const double *node_s, int axis, double s, double result[2]) {
-    double values[2 * THREE];
-    for (int k = 0; k < THREE; k++) {
-        const double *row = node + (ptrdiff_t)DOF * k;
+/* Set result to value and slope of a coordinate at arc length `at` of the quintic through a node and its neighbours. */
+static void quintic_about(int node, const double *q, const double *s, int axis, double at, double result[2]) {
+    const double first = s[node - 1];
+    double values[6];
+    for (int k = 0; k < 3; k++) {
+        const double *row = q + (ptrdiff_t)DOF * (node - 1 + k);
         values[2 * k] = row[axis];
         values[2 * k + 1] = row[SLOPE + axis];
     }
-    hermite_through_three(s, node_s[1] - node_s[0], node_s[2] - node_s[0], values, result);
+    hermite_through_three(at - first, s[node] - first, s[node + 1] - first, values, result);
 }
 
-/* Return the first of three nodes in a row with this node in their middle, or next to it at an end. */
-static int first_of_three(int node, int nodes) {
-    if (node == 0) return 0;
-    return node == nodes - 1 ? nodes - THREE : node - 1;
+/* Return the node nearest to this one that has a neighbour on both sides. */
+static int inner_node(int node, int nodes) {
+    if (node < 1) return 1;
+    return node > nodes - 2 ? nodes - 2 : node;
+}
+
+/* Set result to value and slope of a coordinate at arc length `at` of an element.  The quintics about its nodes share
+   it by their distance, so that nothing jumps where the rope moves on by a node. */
+static void coordinate_at(int nodes, const double *q, const double *s, int element, int axis, double at,
+                          double result[2]) {
+    const double l = s[element + 1] - s[element];
+    const double xi = (at - s[element]) / l;
+    double left[2];
+    double right[2];
+    quintic_about(inner_node(element, nodes), q, s, axis, at, left);
+    quintic_about(inner_node(element + 1, nodes), q, s, axis, at, right);
+    result[0] = (1 - xi) * left[0] + xi * right[0];
+    result[1] = (1 - xi) * left[1] + xi * right[1] + (right[0] - left[0]) / l;
 }
 
 /* Return where a sampled height is least, in samples: the lowest point of a parabola through three of them. */
@@ -48,21 +61,21 @@ static double lowest_sample(const double height[SAMPLING_FINE]) {
 }
 
 LoopBottom loop_bottom(int nodes, const double *q, const double *s) {
-    const int first = first_of_three(lowest_node(nodes, q), nodes);
-    const double *node = q + (ptrdiff_t)DOF * first;
-    const double step = (s[first + 2] - s[first]) / (SAMPLING_FINE - 1);
+    const int node = inner_node(lowest_node(nodes, q), nodes);
+    const double begin = s[node - 1];
+    const double step = (s[node + 1] - begin) / (SAMPLING_FINE - 1);
     double height[SAMPLING_FINE];
     double found[2];
     for (int k = 0; k < SAMPLING_FINE; k++) {
-        coordinate_at(node, s + first, UP, k * step, found);
+        const double at = begin + k * step;
+        coordinate_at(nodes, q, s, at < s[node] ? node - 1 : node, UP, at, found);
         height[k] = found[0];
     }
-    const double from_first = lowest_sample(height) * step;
     LoopBottom bottom;
     double slope[3];
-    bottom.s = s[first] + from_first;
+    bottom.s = begin + lowest_sample(height) * step;
     for (int axis = 0; axis < 3; axis++) {
-        coordinate_at(node, s + first, axis, from_first, found);
+        coordinate_at(nodes, q, s, bottom.s < s[node] ? node - 1 : node, axis, bottom.s, found);
         bottom.position[axis] = found[0];
         slope[axis] = found[1];
     }
