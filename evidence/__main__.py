@@ -17,7 +17,7 @@ from evidence.tables import read, write
 #: packages that ``--measure`` knows: the module ``measure`` of each has MEASURES, and may have ``missed``
 PACKAGES = (
     *("accuracy", "choice", "contact", "coupling", "discrete_rod", "assumed_data"),
-    *("latency", "exudyn", "reproduction", "signals", "stability", "validation"),
+    *("latency", "exudyn", "reproduction", "shaking", "signals", "stability", "validation"),
 )
 
 

@@ -93,6 +93,12 @@ class Mesh(ParameterGroup):
         "error of the loop's place by the mesh, kind 2; 0: half of accuracy.loop",
         Bounds(0.0, 1.0, "0 suits most studies"),
     )
+    lateral_frequency: float = parameter(
+        0.0,
+        "Hz",
+        "highest frequency of ends that shake sideways, resolved by legs' elements and steps, kind 2; 0: none",
+        Bounds(0.0, 50.0, "guide joints and rollers shake a conveyance at 1 to 5 Hz"),
+    )
 
     cross_checks = (
         *(
@@ -115,6 +121,15 @@ class Mesh(ParameterGroup):
             "0 m unless mesh.kind = auto",
             "other kinds have the lengths that they are given: set kind = auto, or leave loop_error out",
             lambda mesh: (((mesh.kind == "auto") + (mesh.loop_error == 0) > 0,), mesh.loop_error),
+        ),
+        CrossCheck(
+            "lateral_frequency",
+            "0 Hz unless mesh.kind = auto",
+            "other kinds have the lengths that they are given: set kind = auto, or leave lateral_frequency out",
+            lambda mesh: (
+                ((mesh.kind == "auto") + (mesh.lateral_frequency == 0) > 0,),
+                mesh.lateral_frequency,
+            ),
         ),
     )
 

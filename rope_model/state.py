@@ -12,6 +12,7 @@ from rope_model.boundary.input_filter import InputFilter
 from rope_model.fidelity.choice import Fidelity
 from rope_model.method.audit import Audit
 from rope_model.method.generalized_alpha import Motion
+from rope_model.method.leg_waves import LegWaves
 from rope_model.method.partition import Partition
 from rope_model.method.step_errors import ErrorSums
 from rope_model.method.swivel_phases import SwivelState
@@ -96,6 +97,7 @@ class RopeState(NamedTuple):
     events: tuple[Event, ...] = ()  # events of the last advance
     energy_balance: EnergyBalance = EnergyBalance()
     errors: ErrorSums = ErrorSums()
+    waves: LegWaves = LegWaves()
     contact: ContactSums = ContactSums()
     powers: Powers = Powers(0.0, 0.0)
     counts: Counts = Counts()

@@ -62,6 +62,16 @@ waves_unresolved = Template(
     "an end force changes by {change:.3g} N in one time step, and an axial period of the rope's longer leg has "
     "{steps:.3g} steps (bound {bound:.3g}): its waves are not resolved; lower step_max to {step:.2g} s"
 )
+shaking_unresolved = Template(
+    "an end shakes sideways, or a stop did: its waves of {frequency:.2g} Hz are {wave:.2g} m long {height:.3g} m "
+    "above the loop, on elements of {length:.2g} m, and not resolved: end forces are {force:.2g} of the largest off "
+    "and the loop up to {place:.2g} m; set mesh.lateral_frequency = {cure:.2g} (mesh.kind = auto), or shorten the "
+    "elements"
+)
+shaking_lags = Template(
+    "an end shakes sideways: its waves of {frequency:.2g} Hz lag in steps of {h:.2g} s: end forces are {force:.2g} of "
+    "the largest off and the loop up to {place:.2g} m; lower step_max to {step:.1g} s"
+)
 bend_unresolved = Template(
     "the rope's sharpest bend has {elements:.3g} elements in half a turn (bound {bound:.3g}); set mesh.kind = auto, or "
     "lower coarse_length; where auto is set, a leg has gone slack: keep it taut, or take mesh.kind = eem with more "

@@ -12,8 +12,10 @@ h / wave_duration.  A step resolves all waves well enough if this holds for a wa
 braking makes.
 """
 
+import math
 from typing import NamedTuple
 
+from rope_model.method import leg_waves
 from rope_model.method.step_errors import ErrorSums, end_force_error, flow_error, wave_duration
 from rope_model.parameters import Scene
 from rope_model.physics.elementary import (
@@ -36,6 +38,8 @@ from rope_model.solver_parameters import Solver
 FORCE_FRACTION = 22.0  #: fraction of the end force error
 LOOP_FRACTION = 0.01  #: fraction of the loop's error, for the position of a node
 FLOW_FRACTION = 0.6  #: fraction of the loop's error, for the flow through it
+#: rad, lag of waves of mesh.lateral_frequency on their way down, over the allowed end force error
+LAG_FRACTION = 50.0
 MIN_LEFT = 0.1  #: fraction of the allowance that remains when all is used up
 BRAKED = 0.5  #: amplitude of the largest wave over the leg's weight: an emergency stop at 5 m/s^2
 # wires that begin to slide or stick make the acceleration jump: position and strain errors grow
@@ -60,7 +64,7 @@ class StepLimits(NamedTuple):
     position: float  # m, of a node
     strain_rate: float  # 1/s, error of the strain at an end over the step
     shortest: float  # s, step below which the strain is not checked
-    longest: float  # s, step allowed by the flow through the loop
+    longest: float  # s, step allowed by the flow through the loop, and by ends that shake sideways
     position_power: float
     strain_power: float
 
@@ -85,6 +89,11 @@ def step_limits(
     longest_squared = (
         FLOW_FRACTION * accuracy.loop / maximum(flow_error(scene, end_speed, 1.0), SMALLEST_DIVISOR)
     )
+    lag = leg_waves.lag_rate(scene, 2.0 * math.pi * scene.mesh.lateral_frequency)
+    lag_squared = (
+        LAG_FRACTION * accuracy.end_force / maximum(error_constant * lag, SMALLEST_DIVISOR)
+    )
+    longest_squared = minimum(longest_squared, lag_squared)
     rubs = less(rope.EI, rope.EI_stick)
     powers = where(rubs, RUBBING_POSITION_POWER, 1.0), where(rubs, RUBBING_STRAIN_POWER, 1.0)
     return StepLimits(
@@ -98,7 +107,7 @@ def step_error(
     """Return the step's error over the allowed one.
 
     It is the largest of position error^position_power, end strain error^strain_power (only if
-    h > shortest), each over its limit, and (h / longest)^4 for the flow through the loop.
+    h > shortest), each over its limit, and (h / longest)^4 for the flow through the loop and shaking ends.
     """
     flow = h / limits.longest
     position = maximum(

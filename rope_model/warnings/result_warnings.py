@@ -7,7 +7,8 @@
     yaw_at_rest         the loop hangs far out of its ends' plane at rest, by a torque that is too large for a shaft
     other_rests         the rope has several equilibria, and snapped through on the way to this one
     missing_loads       the change of momentum differs from the end forces and the weight
-    unresolved_waves    end forces jump in steps that are too long for the waves of such a jump
+    unresolved_waves    end forces jump in steps that are too long for the waves of such a jump, or an
+                        end shakes sideways with waves that are too short for the legs' elements
     unresolved_bend     elements are too long for the sharpest bend
     accuracy_given_up   errors of steps exceed the tolerance because work_max allows no more steps
     blind_guards        the model does not compute the quantity of a guard

@@ -8,12 +8,24 @@ from rope_model.fidelity.fidelity_rules import carries_torque
 from rope_model.messages import warning_messages as texts
 from rope_model.messages.rules import Rules
 from rope_model.method import audit as audits
+from rope_model.method import leg_waves
+from rope_model.method.generalized_alpha import Coefficients, local_error
 from rope_model.method.mesh_error import length_for, mesh_error, slip_factor, turned_by_mesh
 from rope_model.method.mesh_fit import MAX_LENGTH
 from rope_model.method.mesh_pattern import fine_share
 from rope_model.parameters import Scene
 from rope_model.physics.air import air_acts
-from rope_model.physics.elementary import Scalar, floor, logical_and, logical_or, minimum, where
+from rope_model.physics.elementary import (
+    SMALLEST_DIVISOR,
+    Scalar,
+    floor,
+    logical_and,
+    logical_or,
+    maximum,
+    minimum,
+    sqrt,
+    where,
+)
 from rope_model.physics.estimates import (
     bending_length,
     coupling_torque,
@@ -134,6 +146,30 @@ def _waves_unresolved(scene: Scene, state: RopeState) -> tuple[Scalar, ...]:
     )
 
 
+def _shaking_unresolved(scene: Scene, state: RopeState) -> tuple[Scalar, ...]:
+    waves = state.waves
+    force = leg_waves.leg_force_error(scene, waves, state.errors)
+    place = leg_waves.leg_loop_error(scene, waves, state.errors.time)
+    frequency = leg_waves.frequency(scene, waves)
+    height = waves.height
+    applies = logical_or(force > scene.accuracy.end_force, place > scene.accuracy.loop)
+    wavelength = sqrt(scene.layout.gravity * height) / frequency
+    return applies, frequency, wavelength, height, waves.length, force, place, frequency
+
+
+def _shaking_lags(scene: Scene, state: RopeState) -> tuple[Scalar, ...]:
+    waves = state.waves
+    time = state.errors.time
+    force = leg_waves.lag_force_error(scene, waves, state.errors)
+    place = leg_waves.lag_loop_error(scene, waves, time)
+    ratio = maximum(force / scene.accuracy.end_force, place / scene.accuracy.loop)
+    constant = local_error(Coefficients(scene.solver.rho_inf), 1.0, 1.0)
+    h = sqrt(waves.lag / (constant * maximum(time, SMALLEST_DIVISOR)))
+    # both grow with h^2 at least
+    step = h / sqrt(maximum(ratio, 1.0))
+    return ratio > 1, leg_waves.frequency(scene, waves), h, force, place, step
+
+
 def _bend_unresolved(scene: Scene, state: RopeState) -> tuple[Scalar, ...]:
     elements = audits.signal_values(state.audit)[5]
     required = audits.MIN_ELEMENTS
@@ -236,7 +272,11 @@ MISSING_LOADS: Rules = {
         state.audit.missing_moment, audits.MISSING_MOMENT * state.audit.force * scene.layout.spacing
     ),
 }
-UNRESOLVED_WAVES: Rules = {texts.waves_unresolved: _waves_unresolved}
+UNRESOLVED_WAVES: Rules = {
+    texts.waves_unresolved: _waves_unresolved,
+    texts.shaking_unresolved: _shaking_unresolved,
+    texts.shaking_lags: _shaking_lags,
+}
 UNRESOLVED_BEND: Rules = {
     texts.bend_unresolved: _bend_unresolved,
     texts.loop_unresolved: _loop_unresolved,

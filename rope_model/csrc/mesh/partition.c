@@ -58,6 +58,7 @@ Mesh fit_mesh(const Scene *scene) {
     const FittedMesh fitted = fit_elements(scene, asked, log10(MESH_FIT_COVER_ERROR / asked));
     mesh.kind = fitted.equal > 0 ? EEM : TMN;
     mesh.loop_error = 0; /* not used by these kinds */
+    mesh.lateral_frequency = 0;
     if (mesh.kind == EEM)
         mesh.elements = as_int(fitted.equal);
     else {

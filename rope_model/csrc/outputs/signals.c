@@ -122,6 +122,8 @@ static void error_signals(Simulator *sim, double *values) {
     double at_ends = step_errors_end_force_error(&sim->scene.rope, &state->errors);
     double of_place = step_errors_loop_error(&sim->scene, &state->errors, fine_length, state->pattern.grading_length,
                                              state->counts.transformations);
+    at_ends = add_leg_force_error(&sim->scene, at_ends, &state->waves, &state->errors);
+    of_place = add_leg_loop_error(&sim->scene, of_place, &state->waves, state->errors.time);
     at_ends = add_contact_end_error(at_ends, &state->contact, state->errors.time, state->errors.force);
     of_place = add_contact_loop_error(&sim->scene, of_place, &state->contact);
     values[SIGNAL_STATUS_END_FORCE_ERROR] = add_misfit_error(at_ends, &state->errors, left, right);

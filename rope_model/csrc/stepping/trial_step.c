@@ -246,6 +246,34 @@ static void take_motion(Simulator *sim, State *state, const StepResult *trial) {
     state->h = trial->h;
 }
 
+/* Return the transverse motion of the legs `time` after the start; the loop's lowest point is at `bottom_s`. */
+static LegsMotion legs_motion(const Scene *scene, const NodalArrays *nodal, double bottom_s, double time) {
+    const double lowest = nodal->q[(size_t)lowest_node(nodal->nodes, nodal->q) * DOF + UP];
+    const double begins = leg_begins(scene);
+    LegsMotion legs = {.bottom_s = bottom_s};
+    for (int k = 0; k < nodal->elements; k++) {
+        const size_t row = (size_t)k * DOF;
+        const double height = 0.5 * (nodal->q[row + UP] + nodal->q[row + DOF + UP]) - lowest;
+        if (height < begins) continue;
+        const int side = nodal->s[k] < bottom_s ? LEFT : RIGHT;
+        const ElementWave wave =
+            leg_waves_element_wave(scene, nodal->q + row, nodal->v + row, nodal->a + row, nodal->lengths[k], height);
+        legs.shortening[side] += wave.shortening;
+        legs.of_c2[side] += wave.of_c2;
+        legs.slopes += wave.slopes;
+        legs.bent += wave.bent;
+        legs.force_acceleration = fmax(legs.force_acceleration, wave.force_acceleration);
+        legs.speed = fmax(legs.speed, wave.speed);
+        legs.acceleration = fmax(legs.acceleration, wave.acceleration);
+        if (wave.travel < time) legs.arrived = fmax(legs.arrived, wave.speed);
+        if (!(wave.force_rate > legs.force_rate)) continue;
+        legs.force_rate = wave.force_rate;
+        legs.length = nodal->lengths[k];
+        legs.height = height;
+    }
+    return legs;
+}
+
 void commit_trial(Simulator *sim, State *state, const StepResult *trial) {
     const Scene *scene = &sim->scene;
     const Coefficients method = {scene->solver.rho_inf};
@@ -273,7 +301,10 @@ void commit_trial(Simulator *sim, State *state, const StepResult *trial) {
     take_motion(sim, state, trial);
     sys.time = state->t;
     step.force = largest_end_force(&nodal);
-    state->errors = add_errors(scene, &state->errors, &step, generalized_alpha_local_error(&method, 1, 1));
+    const double error_constant = generalized_alpha_local_error(&method, 1, 1);
+    state->errors = add_errors(scene, &state->errors, &step, error_constant);
+    const LegsMotion legs = legs_motion(scene, &nodal, step.bottom_s, state->errors.time);
+    state->waves = add_leg_waves(scene, &state->waves, &legs, h, error_constant);
     rope_powers(scene, state);
     const Powers powers_after = powers_of(state);
     if (!trial->near) sys.obstacles = NULL;

@@ -1,0 +1,1 @@
+"""Ends that shake sideways: errors of the end forces and of the loop, and the estimates of them."""
