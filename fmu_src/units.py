@@ -45,6 +45,7 @@ DECLARED_TYPES: dict[str, DeclaredType] = {
     "J": DeclaredType("Energy", 1e6, {"kg": 1, "m": 2, "s": -2}, ("kJ", 1e-3)),
     "1/s": DeclaredType("PositionGain", 1.0, {"s": -1}),
     "1/m": DeclaredType("Curvature", 1.0, {"m": -1}),
+    "Hz": DeclaredType("Frequency", 1.0, {"s": -1}),
     "N.s/m": DeclaredType("SpeedGain", 1e5, {"kg": 1, "s": -1}),
 }
 

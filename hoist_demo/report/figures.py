@@ -78,7 +78,7 @@ def write_figures(
     marks: Sequence[Mark] = (),
     ropes: Sequence[RopeData] = (NO_DATA,),
 ) -> list[Path]:
-    """Write PNG files, with `marks` as dashed lines, and return their paths in reading order."""
+    """Write PNG files, with ``marks`` as dashed lines, and return their paths in reading order."""
     signals = dict(recording.signals)
     for name, (values, _) in derived_signals(recording, hoist).items():
         signals[name] = values
@@ -166,7 +166,7 @@ _TRIP_PANELS = (
 
 
 def write_duty_figure(trips: Recording, path: Path) -> Path:
-    """Draw the table of `hoist_demo.duty` over the number of the trip.
+    """Draw the table of ``hoist_demo.duty`` over the number of the trip.
 
     A panel without numbers is left out.
     """
@@ -319,7 +319,7 @@ _RIGHT_PART = 0.6  #: Share of the width beyond which a name stands left of its 
 
 
 def _widen(ax: Axes, half_range: float, axis: str = "y") -> None:
-    """Show at least +- `half_range` about the middle, so that no rounding error fills a panel."""
+    """Show at least +- ``half_range`` about the middle, so that no rounding error fills a panel."""
     low, high = ax.get_ylim() if axis == "y" else ax.get_xlim()
     if high - low < 2.0 * half_range and math.isfinite(high - low):
         middle = (low + high) / 2.0

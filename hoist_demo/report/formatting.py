@@ -32,7 +32,7 @@ def engineering(largest: float, unit: str) -> tuple[float, str]:
 
 
 def unit_text(unit: str) -> str:
-    """Format a unit for people: `N.m2` and `N m^2` as N m², and nothing for a pure number."""
+    """Format a unit for people: ``N.m2`` and ``N m^2`` as N m², and nothing for a pure number."""
     text = unit.replace(".", " ").replace("^", "") if unit != "1" else ""
     return re.sub(r"(?<=[A-Za-z])[23]", lambda match: {"2": "²", "3": "³"}[match[0]], text)
 

@@ -36,7 +36,7 @@ def write_modes_figure(
 ) -> Path:
     """Draw models of all heights and their modes.
 
-    `without` is the hoist at a middle height without ropes.
+    ``without`` is the hoist at a middle height without ropes.
     """
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(10.0, 9.0), layout=LAYOUT)

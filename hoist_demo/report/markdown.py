@@ -61,7 +61,7 @@ def _cell(text: str) -> str:
 
 
 def _inline(text: str) -> str:
-    """Escape `<`, so that no browser makes an element of the text."""
+    """Escape ``<``, so that no browser makes an element of the text."""
     return text.replace("<", "&lt;")
 
 

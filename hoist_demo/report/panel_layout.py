@@ -35,9 +35,9 @@ def stacked_panels(titles: Sequence[str]) -> tuple[Figure, list[Axes]]:
 
 
 def lay_out_stack(figure: Figure, axes: Sequence[Axes], more_above: float = 0.0) -> None:
-    """Place the panels of `stacked_panels`, drawn and with legends beside them.
+    """Place the panels of ``stacked_panels``, drawn and with legends beside them.
 
-    `more_above` is the height of texts between the first panel and its title [points].
+    ``more_above`` is the height of texts between the first panel and its title [points].
     """
     height = figure.get_figheight()
     gaps = ABOVE * (len(axes) - 1)
@@ -70,7 +70,7 @@ def widest_labels(figure: Figure, axes: Sequence[Axes]) -> float:
 
 
 def place_labels(figure: Figure, axes: Sequence[Axes], left: float) -> None:
-    """Place the y-labels at the outer edge of the width `left` [inch] beside their axes."""
+    """Place the y-labels at the outer edge of the width ``left`` [inch] beside their axes."""
     label = left - _BORDER - _AXIS_LABEL + 3.0 * _POINT
     for ax in axes:
         width = ax.get_position().width * figure.get_figwidth()

@@ -31,7 +31,7 @@ CONSTANT_RANGE = 1e-6  #: Range of a constant signal, as a part of its panel's l
 
 @dataclass(frozen=True)
 class Line:
-    """Curve of a recorded or derived signal: factor times it, less its start if `from_start`."""
+    """Curve of a recorded or derived signal: factor times it, less its start if ``from_start``."""
 
     signal: str
     label: str
@@ -52,7 +52,7 @@ class Limit:
 class Panel:
     """Plot over time.
 
-    `min_range` is the smallest height of its axis, so that rounding errors stay flat.
+    ``min_range`` is the smallest height of its axis, so that rounding errors stay flat.
     """
 
     group: str
@@ -64,7 +64,7 @@ class Panel:
 
 
 def derived_signals(recording: Recording, hoist: Hoist) -> dict[str, tuple[Array, str]]:
-    """Return signals that follow from recorded ones, with units; names begin with `derived.`."""
+    """Return signals that follow from recorded ones, with units; names begin with ``derived.``."""
     derived: dict[str, tuple[Array, str]] = {}
     if recording.has("reference.position", "conveyance.left.y"):
         travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
@@ -85,7 +85,7 @@ def derived_signals(recording: Recording, hoist: Hoist) -> dict[str, tuple[Array
 def panels(recording: Recording, hoist: Hoist, names: Sequence[str] = ("",)) -> list[Panel]:
     """Return all panels of which a line can be drawn, with those lines only.
 
-    `names` are those of the ropes.
+    ``names`` are those of the ropes.
     """
     # signals that a fidelity leaves out are NaN throughout
     drawable = set(derived_signals(recording, hoist))
@@ -138,7 +138,7 @@ def is_constant(recording: Recording, panel: Panel) -> bool:
 
 
 def _ends(pattern: str, factor: float = 1.0) -> tuple[Line, Line]:
-    """Return the signal at both ends; `{}` stands for the end."""
+    """Return the signal at both ends; ``{}`` stands for the end."""
     return (
         Line(pattern.format(LEFT), label=LEFT, style=LEFT, factor=factor),
         Line(pattern.format(RIGHT), label=RIGHT, style=RIGHT, factor=factor),
@@ -204,7 +204,7 @@ def _drive_panels(hoist: Hoist) -> Iterator[Panel]:
 
 
 def _rope_panels(count: int) -> Iterator[Panel]:
-    """Yield the panels of the balance rope; forces are those of `count` equal ropes."""
+    """Yield the panels of the balance rope; forces are those of ``count`` equal ropes."""
     group = "Balance rope"
     pull = _ends("{}.fy", factor=-_KILO * count)
     side_force = _ends("{}.fx", factor=count)
@@ -332,7 +332,7 @@ def transformations(recording: Recording, names: Sequence[str] = ("",)) -> list[
 def slips(
     recording: Recording, end: str, names: Sequence[str] = ("",)
 ) -> list[tuple[float, float]]:
-    """Return intervals [s] during which the swivel of `end` slips.
+    """Return intervals [s] during which the swivel of ``end`` slips.
 
     A recorded state holds until the next row.
     """

@@ -43,7 +43,7 @@ class SummaryRow:
 class Report:
     """Content of a report, in reading order.
 
-    `changed` are the settings that differ, `data_tables` have all data.
+    ``changed`` are the settings that differ, ``data_tables`` have all data.
     """
 
     title: str

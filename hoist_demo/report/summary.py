@@ -132,7 +132,7 @@ def summarize(
     names: Sequence[str] = ("",),
     arrival: Arrival | None = None,
 ) -> tuple[SummaryRow, ...]:
-    """Return all rows of a run, in reading order; `names` are those of its ropes."""
+    """Return all rows of a run, in reading order; ``names`` are those of its ropes."""
     rows: list[SummaryRow] = []
     recording = result.recording
     if recording.signals:
@@ -231,7 +231,7 @@ _LARGEST_OF = (
 def exposure_rows(rope: str, table: Recording) -> tuple[SummaryRow, ...]:
     """Return rows on the most loaded places of a rope.
 
-    `table` is one of `hoist_demo.recording.exposure`.
+    ``table`` is one of ``hoist_demo.recording.exposure``.
     """
     group = f"Places in the rope {rope}".rstrip() + ", from its left end"
     rows: list[SummaryRow] = []

@@ -1,6 +1,6 @@
 """The verdict on a run: its most important numbers with bound, time and place.
 
-Terminal, Markdown and HTML show its rows, which the modules `*_verdict` declare. Rows whose signals
+Terminal, Markdown and HTML show its rows, which the modules ``*_verdict`` declare. Rows whose signals
 were not recorded are left out.
 """
 
@@ -51,7 +51,7 @@ def judge(
     pairs: Sequence[RopePair] = (),
     arrival: Arrival | None = None,
 ) -> Verdict:
-    """Judge a run with its ropes and pairs of them; `warnings` are those of ropes and host."""
+    """Judge a run with its ropes and pairs of them; ``warnings`` are those of ropes and host."""
     recording = result.recording
     arrival = arrival or Arrival()
     ropes: list[RopeRecord] = []
@@ -95,7 +95,7 @@ def bounds_in_words(rows: Sequence[VerdictRow], *, completed: bool) -> str:
 
 
 def outcome(completed: bool, recording: Recording, names: Sequence[str] = ("",)) -> str:
-    """Return the outcome and the events of a run, in words; `names` are those of its ropes."""
+    """Return the outcome and the events of a run, in words; ``names`` are those of its ropes."""
     text = "completed" if completed else "stopped"
     sentences = [passages(rope_signals(recording, name), rope_text(name)) for name in names]
     if any(sentences):

@@ -20,7 +20,7 @@ FORCE_ROW = 1 + 3 + 3
 
 
 class MemoryStructure(Structure):
-    """The host's allocator: `allocate` takes number and size as calloc does, `deallocate` is as free."""
+    """The host's allocator: ``allocate`` takes number and size as calloc does, ``deallocate`` is as free."""
 
     _fields_ = (
         ("allocate", CFUNCTYPE(c_void_p, c_size_t, c_size_t)),

@@ -8,7 +8,7 @@ rope too short or too stiff for this pattern gets equal elements.  Where a divid
 may press a leg all elements are short enough for the waves of its blow, and shorter still where
 they face it.
 
-`python -m evidence.mesh_rule` fits the basis of the constants.
+``python -m evidence.mesh_rule`` fits the basis of the constants.
 """
 
 import math

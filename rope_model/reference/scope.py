@@ -12,6 +12,7 @@ PUBLISHED: dict[str, tuple[float, ...]] = {
     **{f"rope.{name}": (0,) for name in CURVATURES},
     "left.swivel.attachment": (0,),
     "right.swivel.attachment": (0,),
+    "mesh.lateral_frequency": (0,),
     "model.fidelity": (0, 1),
     "inputs.given": (0,),
     "solver.work_max": (0,),

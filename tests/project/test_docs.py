@@ -84,7 +84,7 @@ def test_a_source_that_a_page_names_is_there(path: Path) -> None:
     assert lost == []
 
 
-#: names of a source, as in "`a`, `b` and `FN(c)` of `folder/file.c`"
+#: names of a source, as in "``a``, ``b`` and ``FN(c)`` of ``folder/file.c``"
 _NAMES_OF_A_SOURCE = re.compile(
     r"((?:`[\w.()]+`(?:, | and |, and )?)+) (?:of|in) `([\w./]+\.(?:py|c|h|inc))`"
 )

@@ -85,7 +85,13 @@ def test_a_bound_that_is_not_reached_changes_no_bit(unbounded: NDArray[np.float6
         (Scene(rope=Rope(length=60.0), solver=Solver(work_max=24)), bounce, 0.02, 35, False),
         # swivels switch at the ends of steps
         (
-            Scene(rope=SHORT, left=SOON, right=SOON, solver=Solver(work_max=12)),
+            Scene(
+                rope=SHORT,
+                mesh=Mesh(coarse_length=2.0),  # with a transformation on the way
+                left=SOON,
+                right=SOON,
+                solver=Solver(work_max=12),
+            ),
             away_from_each_other,
             0.005,
             109,

@@ -40,7 +40,7 @@ def pack(values: Array, kind: str = "u16") -> Packed:
 
 
 def pack_to(values: Array, resolution: float) -> Packed:
-    """Pack as 16-bit integers if these resolve `resolution`, else as 32-bit floats."""
+    """Pack as 16-bit integers if these resolve ``resolution``, else as 32-bit floats."""
     flat = np.asarray(values, dtype=np.float64).ravel()
     finite = flat[np.isfinite(flat)]
     if finite.size == 0 or float(np.ptp(finite)) <= resolution * CODES["u16"]:
@@ -50,7 +50,7 @@ def pack_to(values: Array, resolution: float) -> Packed:
 
 
 def thin(values: Array, limit: int) -> Array:
-    """Thin to at most `limit` values (1-D), the lowest and highest of each interval, in order.
+    """Thin to at most ``limit`` values (1-D), the lowest and highest of each interval, in order.
 
     Fewer stay.
     """
@@ -85,7 +85,7 @@ def interval(count: int, limit: int) -> int:
 
 
 def frames(count: int, limit: int) -> list[int]:
-    """Return rows at even distances, at most `limit`, the last one included."""
+    """Return rows at even distances, at most ``limit``, the last one included."""
     stride = max(1, math.ceil((count - 1) / max(1, limit - 1)))
     rows = list(range(0, count, stride))
     if rows and rows[-1] < count - 1:
@@ -111,7 +111,7 @@ MISSING = (
 def along(recording: Recording, name: str) -> dict[str, object]:
     """Return pictures of quantities along a rope, and a note of those that were not recorded.
 
-    `name` is that of one of several ropes.
+    ``name`` is that of one of several ropes.
     """
     rows = frames(len(recording.time), MAX_COLUMNS)
     curves = recording.shapes_at(rows)

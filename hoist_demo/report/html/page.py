@@ -33,7 +33,7 @@ def fill(template: str, **texts: str) -> str:
 
 
 def render_page(kind: str, title: str, body: str, note: str = "", scripts: str = "") -> str:
-    """Return a page with its head; `kind` is its CSS class, `scripts` what `running` gives."""
+    """Return a page with its head; ``kind`` is its CSS class, ``scripts`` what ``running`` gives."""
     return fill(
         "page.html",
         kind=kind,
@@ -102,7 +102,7 @@ AXIS = 440  #: Length of the axis in pixels.
 
 @dataclass(frozen=True)
 class Bar:
-    """Row of `bars`: a line from `low` to `high` with a dot `at`, as parts of the axis."""
+    """Row of ``bars``: a line from ``low`` to ``high`` with a dot ``at``, as parts of the axis."""
 
     label: str
     low: float
@@ -114,7 +114,7 @@ class Bar:
 def bars(rows: Sequence[Bar], ticks: Sequence[tuple[float, str]], title: str) -> str:
     """Draw rows over a common axis from 0 to 1, as SVG.
 
-    `ticks` are places on it with their texts.
+    ``ticks`` are places on it with their texts.
     """
     height = ROW * (len(rows) + 1)
     parts = []
@@ -134,7 +134,7 @@ def bars(rows: Sequence[Bar], ticks: Sequence[tuple[float, str]], title: str) ->
 
 
 def _bar(row: Bar, y: float) -> str:
-    """Return label, line and dot of a row at the height `y` in pixels, as SVG."""
+    """Return label, line and dot of a row at the height ``y`` in pixels, as SVG."""
     if row.solid:
         colour = "var(--left)"
         opacity = 0.55

@@ -32,7 +32,7 @@ def run_report(
 ) -> Path:
     """Write the report of a run, the same bytes but the clock's.
 
-    The shaft drawn is that of the first of `ropes`.
+    The shaft drawn is that of the first of ``ropes``.
     """
     numbers = ""
     for group, rows in rows_by_group(report.rows).items():

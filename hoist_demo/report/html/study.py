@@ -2,10 +2,10 @@
 
 It has all runs in parallel coordinates, one column against another, and a sortable table.
 
-`meta` may hold `title` and `parameters` (names of the columns that were varied; the other columns
+``meta`` may hold ``title`` and ``parameters`` (names of the columns that were varied; the other columns
 are metrics). Whatever else it holds, a text or a number, is shown under Data, and so are parameters
 that are the same in all runs. Only what differs between runs has an axis. A run has failed when its
-`cause` is not empty. The page shows as many columns as it has room for: what varies, what the study
+``cause`` is not empty. The page shows as many columns as it has room for: what varies, what the study
 judges by, what tells of danger, then the rest.
 """
 
@@ -31,7 +31,7 @@ CAUSE = "cause"
 #: Columns of the table that the page does not plot.
 _NO_COLUMNS = (STATUS, CAUSE, "run", "key", WARNINGS, MISSING)
 EQUAL_WITHIN = 1e-9  #: Relative difference within which two numbers are one.
-_META_OF_PAGE = ("title", "parameters")  #: Keys of `meta` that the page uses elsewhere.
+_META_OF_PAGE = ("title", "parameters")  #: Keys of ``meta`` that the page uses elsewhere.
 LISTED_RUNS = 8  #: Most numbers of runs that a sentence lists.
 #: columns that are shown first behind what varies and what is judged
 _FIRST = (
@@ -76,9 +76,9 @@ def study_report(
     result: StudyResult | None = None,
     objective: Objective | None = None,
 ) -> Path:
-    """Write the report to `path`, from one row of the results' table per run.
+    """Write the report to ``path``, from one row of the results' table per run.
 
-    `data_tables` are tables of the data, `result` the study's outcome, which is judged by `objective`.
+    ``data_tables`` are tables of the data, ``result`` the study's outcome, which is judged by ``objective``.
     """
     table = results.table
     judged = list(objective.metrics) if objective else []
@@ -116,7 +116,7 @@ def study_report(
 
 
 def _shown(results: Results, parameters: Sequence[str], judged: Sequence[str]) -> _Shown:
-    """Return the columns as the page shows them; the study judges by those of `judged`."""
+    """Return the columns as the page shows them; the study judges by those of ``judged``."""
     columns = _columns_in_engineering_units(results.table, results.units)
     varied = {name for name, column in columns.items() if _differ(column.values)}
     fixed = [name for name in parameters if name in columns and name not in varied]

@@ -209,6 +209,8 @@ def mesh(drawn: Drawn) -> None:
             drawn.values["mesh.grading_length"] = draws.one_of(0.0, 0.5, 1.0)
     else:
         drawn.values["mesh.loop_error"] = draws.in_logarithms(1e-3, 0.05)
+        if drawn.length < 200:
+            drawn.values["mesh.lateral_frequency"] = draws.one_of(0.0, 0.0, 1.0, 2.0)
 
 
 def accuracy(drawn: Drawn) -> None:

@@ -358,6 +358,7 @@ class Units:
             "kg": self.kg,
             "N": self.kg * self.m / self.s**2,
             "rad": 1.0,
+            "Hz": 1.0 / self.s,
         }
         sizes |= {"Pa": sizes["N"] / self.m**2, "J": sizes["N"] * self.m, "": 1.0}
         factor = 1.0
