@@ -93,7 +93,10 @@ def stress_claims(tables: Tables) -> list[Claim]:
         apart = below(
             "largest difference of the maxima", 100 * float(np.max(np.abs(tmn / eem - 1))), 2.0, "%"
         )
-        claims.append(Claim(f"TMN-ETM agrees with EEM in the {words[kind]} stress norm", apart))
+        mean = "a stress is that of an element's mean square curvature, over 1 m of the loop here and 0.2 m in EEM"
+        claims.append(
+            Claim(f"TMN-ETM agrees with EEM in the {words[kind]} stress norm", apart, mean)
+        )
     return claims
 
 
