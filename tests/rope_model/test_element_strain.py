@@ -1,5 +1,6 @@
 """The assumed axial strain: no locking, no motion without energy, and exact where the rope is straight."""
 
+import casadi as ca
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -9,7 +10,17 @@ from shared import Array, rotation
 from rope_model import Mesh, Rope, Scene, balance_rope
 from rope_model.physics import costello, hermite
 from rope_model.physics.curved_element import CURVED_SIZE, curved_element
-from rope_model.physics.element import PARAMETERS, POINTS, WEIGHTS, element_functions
+from rope_model.physics.element import (
+    LEGENDRE_SQUARES,
+    PARAMETERS,
+    POINTS,
+    WEIGHTS,
+    AxialStrain,
+    element_functions,
+    interpolation,
+    relative_coordinates,
+    strains_at_nodes,
+)
 from rope_model.physics.node import NODE_DOF
 
 ELEMENT = element_functions()
@@ -139,3 +150,32 @@ def test_a_hanging_loop_converges_with_the_fourth_power_of_the_elements_length()
         # of elements of 1 m: 0.06 % and 1 mm
         assert errors[1, 0] < 1e-3 * abs(found[-1][0])
         assert errors[1, 1] < 1e-3
+
+
+def test_the_strain_before_stiffens_the_element_by_all_its_parts() -> None:
+    """The tangent with another element's strain has the forces of that strain in its geometric stiffness."""
+    chance = np.random.default_rng(5)
+    q, l = unstrained(1, 0.6)
+    before = q + 1e-3 * chance.normal(size=q.size)
+    x = ca.SX.sym("x", q.size)
+    relative = relative_coordinates()
+    mean = sum(
+        w * ca.norm_2((interpolation(xi, ca.SX(l)) @ relative @ x)[:3])
+        for xi, w in zip(POINTS, WEIGHTS, strict=True)
+    )
+    parts = AxialStrain.of(mean - 1, *strains_at_nodes(x))
+    expected = np.zeros((q.size, q.size))
+    for part, factor in zip(parts, LEGENDRE_SQUARES, strict=True):
+        strain = ca.Function("strain", [x], [part])
+        bend = ca.Function("bend", [x], [ca.hessian(part, x)[0]])
+        change = float(strain(before)) - float(strain(q))
+        assert abs(change) > 1e-5
+        expected += l * MATERIAL["Qa"] * factor * change * np.asarray(bend(q).full())
+    still = np.zeros(q.size)
+    F = ELEMENT.reference(q, l)
+    P = parameters(**MATERIAL)
+    with_it, without = (
+        np.asarray(ELEMENT.tangent(q, still, still, l, F, P, 1.0, 0.0, 0.0, y)[1])
+        for y in (before, q)
+    )
+    assert_allclose(with_it - without, expected, rtol=0, atol=1e-9 * np.abs(with_it).max())
