@@ -28,7 +28,7 @@ _STYLE: dict[Any, Any] = {
 
 def figure(rows: int, columns: int, height: float, **options: Any) -> tuple[Figure, Any]:
     """A figure of ``height`` inches, as wide as the page, and its axes (rows, columns)."""
-    made = Figure(figsize=(9.0, height))
+    made = Figure(figsize=(9.0, height), layout="constrained")
     return made, made.subplots(rows, columns, squeeze=False, **options)
 
 
