@@ -10,7 +10,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from rope_model.arrays import Array
 from rope_model.method import sampling
@@ -61,52 +60,53 @@ def lowest_point(q: Array, s: Array) -> LowestPoint:
     """Return the lowest point of the rope ``q`` (nodes, 7) with nodes at arc lengths ``s`` (m).
 
     Quintics through three nodes are as accurate as the nodes: a cubic between two nodes keeps its
-    length only roughly, and its tangent is off inside of an element.
+    length only roughly, and its tangent is off inside of an element.  The point is that of a parabola
+    through three samples.
     """
     middle = int(np.clip(np.argmin(q[:, HEIGHT]), 1, s.size - 2))
-    bounds = s[middle - 1], s[middle + 1]
-    samples = np.linspace(*bounds, sampling.FINE)
-    heights = [curve_beside(q, s, middle, float(at))[0][HEIGHT] for at in samples]
+    samples = np.linspace(s[middle - 1], s[middle + 1], sampling.FINE)
+    heights = curve_beside(q, s, middle, samples, (HEIGHT,))[0][0]
     lowest = int(np.argmin(heights))
-    at = float(samples[lowest])
+    shift = 0.0
     if 0 < lowest < samples.size - 1:
-
-        def height(at: float) -> float:
-            return float(curve_beside(q, s, middle, at)[0][HEIGHT])
-
-        around = samples[lowest - 1], samples[lowest + 1]
-        found = minimize_scalar(height, bounds=around, method="bounded", options={"xatol": 1e-9})
-        at = float(found.x)
-    position, slope = curve_beside(q, s, middle, at)
-    return LowestPoint(at, position, _yaw(slope))
+        before, at_lowest, after = heights[lowest - 1 : lowest + 2]
+        bend = before - 2 * at_lowest + after
+        if bend > 0:
+            shift = 0.5 * (before - after) / bend
+    at = samples[lowest] + shift * (samples[1] - samples[0])
+    position, slope = (x[:, 0] for x in curve_beside(q, s, middle, np.array([at]), (0, 1, 2)))
+    return LowestPoint(float(at), position, _yaw(slope))
 
 
-def curve_beside(q: Array, s: Array, middle: int, at: float) -> tuple[Array, Array]:
-    """Return r and r' (3,) at arc length ``at`` (m) of an element beside the node ``middle``.
+def curve_beside(
+    q: Array, s: Array, middle: int, at: Array, axes: tuple[int, ...]
+) -> tuple[Array, Array]:
+    """Return coordinates and their slopes (axes, n) at arc lengths ``at`` (m) (n,) beside the node ``middle``.
 
-    The quintics about the element's nodes share it by their distance, so that nothing jumps where
+    The quintics about an element's nodes share it by their distance, so that nothing jumps where
     another node becomes the lowest.
     """
-    element = middle - 1 if at < s[middle] else middle
-    l = s[element + 1] - s[element]
-    xi = (at - s[element]) / l
-    (left, left_slope), (right, right_slope) = (
-        _quintic(q, s, int(np.clip(node, 1, s.size - 2)), at) for node in (element, element + 1)
-    )
-    slope = (1 - xi) * left_slope + xi * right_slope + (right - left) / l
-    return (1 - xi) * left + xi * right, slope
+    values = np.empty((len(axes), at.size))
+    slopes = np.empty_like(values)
+    for element in (middle - 1, middle):
+        here = (at < s[middle]) == (element < middle)
+        l = s[element + 1] - s[element]
+        xi = (at[here] - s[element]) / l
+        left, right = (int(np.clip(node, 1, s.size - 2)) for node in (element, element + 1))
+        for row, axis in enumerate(axes):
+            r1, s1 = _quintic(q, s, left, at[here], axis)
+            r2, s2 = _quintic(q, s, right, at[here], axis)
+            values[row, here] = (1 - xi) * r1 + xi * r2
+            slopes[row, here] = (1 - xi) * s1 + xi * s2 + (r2 - r1) / l
+    return values, slopes
 
 
-def _quintic(q: Array, s: Array, node: int, at: float) -> tuple[Array, Array]:
-    """Return r and r' (3,) at arc length ``at`` (m) of the quintic through a node and its neighbours."""
+def _quintic(q: Array, s: Array, node: int, at: Array, axis: int) -> tuple[Array, Array]:
+    """Return a coordinate and its slope (n,) of the quintic through a node and its neighbours."""
     first, second, third = s[node - 1 : node + 2]
-    pairs = [
-        through_three(
-            at - first, second - first, third - first, q[node - 1 : node + 2, [k, 3 + k]].ravel()
-        )
-        for k in range(3)
-    ]
-    return np.array([r for r, _ in pairs]), np.array([slope for _, slope in pairs])
+    values = q[node - 1 : node + 2, [axis, 3 + axis]].ravel()
+    r, slope = through_three(at - first, second - first, third - first, values)
+    return np.asarray(r), np.asarray(slope)
 
 
 def yaw_of(q: Array) -> float:
