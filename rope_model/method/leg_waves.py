@@ -137,10 +137,19 @@ def leg_begins(scene: Scene) -> Scalar:
 
 
 def element_wave(
-    scene: Scene, q: ElementRow, v: ElementRow, a: ElementRow, l: Scalar, height: Scalar
+    scene: Scene,
+    q: ElementRow,
+    v: ElementRow,
+    a: ElementRow,
+    l: Scalar,
+    height: Scalar,
+    begins: Scalar,
 ) -> ElementWave:
-    """Return the transverse motion of an element of length ``l`` (m) at a ``height`` (m) above the loop."""
-    w = bending_length(scene)
+    """Return the transverse motion of an element of length ``l`` (m) at a ``height`` (m) above the loop.
+
+    ``begins`` (m) is leg_begins, which takes a cube root: once for all elements.
+    """
+    w = begins / LEG_FROM
     tension = scene.rope.mass_per_length * scene.layout.gravity * height
     shortening: Scalar = 0.0
     of_c2: Scalar = 0.0
@@ -171,7 +180,7 @@ def element_wave(
         force_acceleration=tension * tension * bent_rates,
         speed=sqrt(height / w) * speed,
         acceleration=sqrt(height / w) * acceleration,
-        travel=2.0 * (sqrt(height) - sqrt(leg_begins(scene))) / sqrt(scene.layout.gravity),
+        travel=2.0 * (sqrt(height) - sqrt(begins)) / sqrt(scene.layout.gravity),
     )
 
 

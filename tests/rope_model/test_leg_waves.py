@@ -67,6 +67,7 @@ def test_legs_at_rest_and_in_a_smooth_winding_have_no_waves_to_estimate() -> Non
 #: an element of a leg, 3 m long, 20 m above the loop
 LENGTH = 3.0
 HEIGHT = 20.0
+BEGINS = leg_waves.leg_begins(SCENE)
 #: coordinates and rates of its ends, and x' = m + c1 P1 + c2 P2 by both
 Q = np.array([0.01, 0.0, 0.0, 0.002, -1.0, 0.0, 0.0, 0.013, -3.0, 0.0, -0.001, -1.0, 0.0, 0.0])
 V = np.array([0.1, 0.0, 0.0, 0.03, 0.0, 0.0, 0.0, 0.02, 0.0, 0.0, -0.05, 0.0, 0.0, 0.0])
@@ -82,7 +83,7 @@ def slope(row: np.ndarray, xi: np.ndarray) -> np.ndarray:
 def test_an_element_takes_the_length_off_its_leg_that_its_cubic_has() -> None:
     points, weights = np.polynomial.legendre.leggauss(6)
     xi = 0.5 * (1 + points)
-    wave = leg_waves.element_wave(SCENE, Q, V, V, LENGTH, HEIGHT)
+    wave = leg_waves.element_wave(SCENE, Q, V, V, LENGTH, HEIGHT, BEGINS)
     by_points = 0.5 * LENGTH * np.sum(weights * slope(Q, xi) * slope(V, xi))
     assert_allclose(wave.shortening, by_points, rtol=1e-12)
     by_points = 0.5 * LENGTH * np.sum(weights * slope(V, xi) ** 2)
@@ -96,7 +97,7 @@ def resolved(k: float) -> ElementWave:
     row[0] = -math.sin(half) / k
     row[7] = math.sin(half) / k
     row[3] = row[10] = math.cos(half)
-    return leg_waves.element_wave(SCENE, row, row, row, LENGTH, HEIGHT)
+    return leg_waves.element_wave(SCENE, row, row, row, LENGTH, HEIGHT, BEGINS)
 
 
 def test_the_short_part_of_a_resolved_wave_is_the_fourth_power_of_its_elements() -> None:

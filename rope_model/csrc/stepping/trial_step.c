@@ -256,8 +256,8 @@ static LegsMotion legs_motion(const Scene *scene, const NodalArrays *nodal, doub
         const double height = 0.5 * (nodal->q[row + UP] + nodal->q[row + DOF + UP]) - lowest;
         if (height < begins) continue;
         const int side = nodal->s[k] < bottom_s ? LEFT : RIGHT;
-        const ElementWave wave =
-            leg_waves_element_wave(scene, nodal->q + row, nodal->v + row, nodal->a + row, nodal->lengths[k], height);
+        const ElementWave wave = leg_waves_element_wave(scene, nodal->q + row, nodal->v + row, nodal->a + row,
+                                                        nodal->lengths[k], height, begins);
         legs.shortening[side] += wave.shortening;
         legs.of_c2[side] += wave.of_c2;
         legs.slopes += wave.slopes;
